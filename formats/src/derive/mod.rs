@@ -1,0 +1,1 @@
+//! Planes that follow from the nodes: filtered means, extremes, deviations.

@@ -1,0 +1,1 @@
+//! Geodesy in f64: geodetic angles, ECEF.

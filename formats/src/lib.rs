@@ -1,0 +1,11 @@
+//! The `.relief` file and what its numbers mean.
+//!
+//! No GDAL, no GPU, no async: this crate is the bottom of the workspace. `SPEC.md` beside it
+//! describes the bytes; the modules here follow its sections.
+
+pub mod body;
+pub mod derive;
+pub mod geodesy;
+pub mod grid;
+pub mod mesh;
+pub mod tile;

@@ -1,0 +1,1 @@
+//! The ellipsoid patch mesh (PME).

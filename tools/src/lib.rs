@@ -1,0 +1,5 @@
+//! From elevation rasters to a validated `.relief` file: the library behind `relief-bake`.
+
+pub mod error;
+pub mod resample;
+pub mod source;

@@ -1,0 +1,3 @@
+//! `relief-bake`: the command line.
+
+fn main() {}
