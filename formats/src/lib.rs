@@ -4,6 +4,7 @@
 //! describes the bytes; the modules here follow its sections.
 
 pub mod body;
+pub mod codec;
 pub mod derive;
 pub mod geodesy;
 pub mod grid;

@@ -1,0 +1,143 @@
+//! The plane `mip`: filtered means, coded as residuals to a smoothing of the tile's own nodes.
+//!
+//! The smoothing is node + (13 e + d - 2 f) / 128 with e, d, f the sums of differences to the
+//! four side, four diagonal and four distance-2 neighbours (least squares over Earth and Moon
+//! heights); outside the tile the nearest sample of the tile stands in.
+
+use multiversion::multiversion;
+
+use super::CodecError;
+use super::constraint::{self, Means};
+use super::lifting::{Classes, join, split};
+use super::nodes::{HALF, add, check_range, subtract};
+use super::residual::{PlaneReader, PlaneWriter};
+use crate::tile::TILE_NODES;
+
+/// Encodes a tile's means (257 x 257) given its nodes and, below the root, the parent's means at
+/// the tile's even nodes (129 x 129).
+#[must_use]
+pub fn encode(mip: &[i32], nodes: &[i32], mean: Option<&[i32]>) -> Vec<u8> {
+    let n = HALF;
+    let (pe, mut pn, ae, an) = predict(nodes);
+    let (even, new) = split(mip, n);
+    let mut writer = PlaneWriter::default();
+    let mut r = vec![0; (n + 1) * (n + 1)];
+    subtract(&even, &pe, &mut r);
+    writer.class(&r, &ae);
+    for (samples, p, a) in [(&new.c, &pn.c, &an.c), (&new.h, &pn.h, &an.h)] {
+        subtract(samples, p, &mut r);
+        writer.class(&r[..samples.len()], a);
+    }
+    let r = &mut r[..n * (n + 1)];
+    match mean {
+        Some(mean) => constraint::residuals(Means { even: &even, mean }, &new, n, &mut pn.v, r),
+        None => subtract(&new.v, &pn.v, r),
+    }
+    writer.class(r, &an.v);
+    writer.finish()
+}
+
+/// Decodes what [`encode`] wrote.
+pub fn decode(plane: &[u8], nodes: &[i32], mean: Option<&[i32]>) -> Result<Vec<i32>, CodecError> {
+    let n = HALF;
+    let (pe, mut pn, ae, an) = predict(nodes);
+    let mut reader = PlaneReader::new(plane)?;
+    let mut r = vec![0; (n + 1) * (n + 1)];
+    reader.class(&ae, &mut r)?;
+    let even = add(&pe, &r)?;
+    let mut new = Classes::default();
+    reader.class(&an.c, &mut r[..n * n])?;
+    new.c = add(&pn.c, &r[..n * n])?;
+    let r = &mut r[..n * (n + 1)];
+    reader.class(&an.h, r)?;
+    new.h = add(&pn.h, r)?;
+    reader.class(&an.v, r)?;
+    match mean {
+        Some(mean) => {
+            constraint::reconstruct(Means { even: &even, mean }, &mut new, n, &mut pn.v, r);
+            check_range(&new.v)?;
+        }
+        None => new.v = add(&pn.v, r)?,
+    }
+    reader.finish()?;
+    Ok(join(&even, &new, n))
+}
+
+/// Predictions and activities: of the even samples, and of the three other classes.
+fn predict(nodes: &[i32]) -> (Vec<i32>, Classes, Vec<i32>, Classes) {
+    let mut p = vec![0; TILE_NODES * TILE_NODES];
+    let mut a = vec![0; TILE_NODES * TILE_NODES];
+    smooth(nodes, &mut p, &mut a);
+    let (pe, pn) = split(&p, HALF);
+    let (ae, an) = split(&a, HALF);
+    (pe, pn, ae, an)
+}
+
+#[multiversion(targets = "simd")]
+fn smooth(nodes: &[i32], prediction: &mut [i32], activity: &mut [i32]) {
+    const W: usize = TILE_NODES;
+    let mut pad = [[0i32; W + 4]; 5];
+    for j in 0..W {
+        for (k, row) in pad.iter_mut().enumerate() {
+            let y = (j + k).saturating_sub(2).min(W - 1);
+            let source = &nodes[y * W..][..W];
+            row[2..W + 2].copy_from_slice(source);
+            (row[0], row[1]) = (source[0], source[0]);
+            (row[W + 2], row[W + 3]) = (source[W - 1], source[W - 1]);
+        }
+        let [ss, s, o, n, nn] = &pad;
+        let (p, a) = (&mut prediction[j * W..][..W], &mut activity[j * W..][..W]);
+        for i in 0..W {
+            let x = i + 2;
+            let c = o[x];
+            let e = o[x - 1] + o[x + 1] + s[x] + n[x] - 4 * c;
+            let d = s[x - 1] + s[x + 1] + n[x - 1] + n[x + 1] - 4 * c;
+            let f = o[x - 2] + o[x + 2] + ss[x] + nn[x] - 4 * c;
+            p[i] = c + ((13 * e + d - 2 * f + 64) >> 7);
+            a[i] = e.abs() + (d.abs() >> 1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::nodes::tests::terrain;
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        #[test]
+        fn round_trip(kind: u8, seed: u32, constrained: bool) {
+            let nodes = terrain(kind, seed, TILE_NODES);
+            let mip = terrain(kind.wrapping_add(1), seed, TILE_NODES);
+            let mean = terrain(kind, seed ^ 1, HALF + 1);
+            let mean = constrained.then_some(mean.as_slice());
+            prop_assert_eq!(decode(&encode(&mip, &nodes, mean), &nodes, mean).unwrap(), mip);
+        }
+    }
+
+    /// True means make the constrained samples cheaper than free ones.
+    #[test]
+    fn means_save_bytes() {
+        let nodes = terrain(2, 7, TILE_NODES);
+        let w = HALF + 1;
+        let mut mean = vec![0; w * w];
+        for j in 1..HALF {
+            for i in 1..HALF {
+                let sum: i32 = (0..9)
+                    .map(|k| {
+                        let (x, y) = (k % 3, k / 3);
+                        (2 - (x as i32 - 1).abs()) * (2 - (y as i32 - 1).abs()) * nodes[(2 * j + y - 1) * TILE_NODES + 2 * i + x - 1]
+                    })
+                    .sum();
+                mean[j * w + i] = (sum + 8) >> 4;
+            }
+        }
+        let free = super::super::nodes::encode(&nodes, None);
+        let bound = super::super::nodes::encode(&nodes, Some(&mean));
+        assert!(bound.len() * 100 < free.len() * 85, "{} against {}", bound.len(), free.len());
+        let (even, _) = split(&nodes, HALF);
+        assert_eq!(super::super::nodes::decode(&bound, &even, Some(&mean)).unwrap(), nodes);
+    }
+}
