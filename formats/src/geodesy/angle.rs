@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(s_from_lon_deg(0.0), Ok(1 << 31));
         assert_eq!(s_from_lon_deg(-1e-12), Ok(1 << 31));
         assert_eq!(s_from_lon_deg(180.0 - 1e-12), Ok(0));
-        assert_eq!(s_from_lon_deg(1e300).is_ok(), true);
+        assert!(s_from_lon_deg(1e300).is_ok());
         assert_eq!((t_from_lat_deg(-90.0), t_from_lat_deg(90.0)), (Ok(0), Ok(T_NORTH)));
         assert_eq!((lon_deg(0), lat_deg(0), lat_deg(T_NORTH)), (-180.0, -90.0, 90.0));
     }

@@ -75,9 +75,7 @@ pub fn check_mesh(mesh: &PatchMesh, body: &Body) -> Vec<MeshFinding> {
     }
     let border = match *body {
         Body::Ellipsoid { .. } => None,
-        Body::Plane { .. } => {
-            Some([mesh.place(body, 0, 0), mesh.place(body, T_NORTH, T_NORTH)])
-        }
+        Body::Plane { .. } => Some([mesh.place(body, 0, 0), mesh.place(body, T_NORTH, T_NORTH)]),
     };
     check_positions(&mesh.positions(body), &mesh.indices, Ellipsoid::of(body), border, &mut findings);
     findings.0
@@ -162,8 +160,8 @@ fn check_positions(
         let normal = cross(sub(b, a), sub(c, a));
         let longest = [sub(b, a), sub(c, a), sub(c, b)].into_iter().map(|d| dot(d, d)).fold(0.0, f64::max);
         let flat = ids[0] == ids[1] || ids[1] == ids[2] || ids[2] == ids[0];
-        // A comparison that not-a-number fails.
-        if flat || !(dot(normal, normal).sqrt() > FLAT * longest) {
+        let has_area = dot(normal, normal).sqrt() > FLAT * longest; // false for not-a-number
+        if flat || !has_area {
             findings.add(MeshFault::Degenerate, place(a), || format!("triangle {number} {corners:?} has no area"));
         } else {
             let outwards = if ellipsoid.is_some() { add(a, add(b, c)) } else { [0.0, 0.0, 1.0] };
