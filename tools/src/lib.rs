@@ -1,5 +1,7 @@
 //! From elevation rasters to a validated `.relief` file: the library behind `relief-bake`.
 
 pub mod error;
+pub mod gltf;
+pub mod publish;
 pub mod resample;
 pub mod source;

@@ -1,1 +1,0 @@
-//! Geodesy in f64: geodetic angles, ECEF.
