@@ -19,7 +19,7 @@ build:
 
 # Bake, validate and picture the Earth: just demo --out DIR
 demo *arguments:
-    bash tools/demo.sh {{arguments}}
+    bash tools/demo.sh {{ arguments }}
 
 # Set up, build and run every test, as CI does
 test:
@@ -27,11 +27,11 @@ test:
 
 # Run the Rust tests whose name holds a word
 test-one word:
-    cargo test --release --locked --workspace {{word}}
+    cargo test --release --locked --workspace {{ word }}
 
 # Run relief-bake: just run probe out/earth.relief 86.925 27.988
 run *arguments:
-    @{{bake}} {{arguments}}
+    @{{ bake }} {{ arguments }}
 
 # Type-check everything, tests included
 check:
@@ -52,11 +52,11 @@ alias bench := bench-bake
 # Measure the bake against GDAL's own tools, write BENCHMARKS.md and .json: just bench-bake --quick
 bench-bake *arguments:
     cargo build --release --locked -p relief-tools
-    {{python}} tools/bench_bake.py {{arguments}}
+    {{ python }} tools/bench_bake.py {{ arguments }}
 
 # Fuzz the reader for some seconds (needs cargo-fuzz and a nightly Rust)
 fuzz target="reader" seconds="60":
-    cd formats && cargo +nightly fuzz run {{target}} -- -max_total_time={{seconds}}
+    cd formats && cargo +nightly fuzz run {{ target }} -- -max_total_time={{ seconds }}
 
 # Build the API documentation, warnings as errors
 doc:
@@ -64,7 +64,7 @@ doc:
 
 # Draw a .relief file as a PNG: just picture out/earth.relief out/earth.png
 picture file="out/earth.relief" png="out/earth.png" size="1440":
-    {{bake}} preview {{quote(file)}} -o {{quote(png)}} --size {{size}}
+    {{ bake }} preview {{ quote(file) }} -o {{ quote(png) }} --size {{ size }}
 
 # Delete what was built and baked
 clean:
