@@ -252,10 +252,10 @@ class RealData(unittest.TestCase):
         return np.nanmin(low), np.nanmax(low)
 
     def test_everest_and_challenger_deep(self):
-        _, everest_m = self.extremes("earth_etopo1_6min.tif", 13, 86.7, 27.7, 87.3, 28.2)
-        self.assertAlmostEqual(everest_m, 8270, delta=150)
-        deep_m, _ = self.extremes("earth_etopo1_6min.tif", 13, 142.0, 11.0, 143.0, 11.8)
-        self.assertAlmostEqual(deep_m, -10700, delta=150)
+        _, everest_m = self.extremes("earth_etopo1_6min.tif", 17, 86.7, 27.7, 87.3, 28.2)
+        self.assertAlmostEqual(everest_m, 8266, delta=40)
+        deep_m, _ = self.extremes("earth_etopo1_6min.tif", 17, 142.0, 11.0, 143.0, 11.8)
+        self.assertAlmostEqual(deep_m, -10714, delta=5)
 
     def test_the_moon_in_metres(self):
         low_m, high_m = self.extremes("moon_dem_halfmetre_dn.tif", 10, -180, -90, 180, 90)
