@@ -7,6 +7,7 @@ pub mod bits;
 pub mod bytes;
 pub mod constraint;
 pub mod deviation;
+pub mod filled;
 pub mod hext;
 pub mod lifting;
 pub mod mip;
@@ -31,4 +32,7 @@ pub enum CodecError {
     /// The general-purpose compressor refused the frame.
     #[error("the compressed frame is damaged")]
     Frame,
+    /// The samples decode, but are not those that were written.
+    #[error("the samples do not match their checksum")]
+    Digest,
 }

@@ -1,0 +1,180 @@
+//! Opening a file and finding its parts. Nothing is decoded and nothing is allocated that the
+//! file's own size does not pay for.
+
+use std::path::Path;
+
+use memmap2::Mmap;
+
+use super::header::{HEADER_BYTES, array};
+use super::index::ENTRY_BYTES;
+use super::section::{INDEX, MAX_SECTIONS, MESH, META, ROW_BYTES, Section, TILES};
+use super::writer::{TAIL_BYTES, tail};
+use super::{Entry, FormatError, Header, Metadata, Plane};
+use crate::body::Body;
+use crate::grid::Grid;
+use crate::tile::TileKey;
+
+/// An open file: its header and metadata are checked, its tiles are checked when they are read.
+pub struct Relief {
+    map: Mmap,
+    header: Header,
+    metadata: Metadata,
+    sections: Vec<Section>,
+    index: std::ops::Range<usize>,
+    tiles: std::ops::Range<usize>,
+}
+
+impl Relief {
+    /// Maps and checks a file: header, length, tail, section table, metadata.
+    pub fn open(path: &Path) -> Result<Self, FormatError> {
+        let map = super::map::map(path)?;
+        let mut header = Header::decode(&map)?;
+        if header.file_bytes != map.len() as u64 {
+            return Err(FormatError::damaged(format!(
+                "{} bytes long, its header says {}",
+                map.len(),
+                header.file_bytes
+            )));
+        }
+        let rows = header.section_count as usize * ROW_BYTES;
+        if header.section_count > MAX_SECTIONS || map.len() < HEADER_BYTES + rows + TAIL_BYTES {
+            return Err(FormatError::damaged("no room for the sections that the header counts"));
+        }
+        let tail_at = map.len() - TAIL_BYTES;
+        if map[tail_at..] != tail(&header) {
+            return Err(FormatError::damaged("the tail does not match the header"));
+        }
+        let table = &map[HEADER_BYTES..HEADER_BYTES + rows];
+        if *blake3::hash(table).as_bytes() != header.table_hash {
+            return Err(FormatError::damaged("the section table's checksum does not match"));
+        }
+        let sections = Section::decode_table(table, (HEADER_BYTES + rows) as u64, tail_at as u64)?;
+        let find = |kind: [u8; 4]| {
+            sections.iter().find(|s| s.kind == kind).map(range_of).ok_or_else(|| {
+                FormatError::damaged(format!("section {} is missing", String::from_utf8_lossy(&kind)))
+            })
+        };
+        let (meta, index, tiles) = (find(META)?, find(INDEX)?, find(TILES)?);
+        find(MESH)?;
+        if index.len() as u64 != header.tile_count.saturating_mul(ENTRY_BYTES as u64) {
+            return Err(FormatError::damaged("the index is not as long as the header counts"));
+        }
+        if meta.len() as u64 > Metadata::MAX_BYTES {
+            return Err(FormatError::damaged("the metadata is larger than any can be"));
+        }
+        let metadata = Metadata::decode(&map[meta])?;
+        adopt_names(&mut header.body, &metadata.body)?;
+        Ok(Self { map, header, metadata, sections, index, tiles })
+    }
+
+    /// The header's numbers.
+    #[must_use]
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Where the heights come from.
+    #[must_use]
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
+    }
+
+    /// The grid of nodes.
+    #[must_use]
+    pub fn grid(&self) -> Grid {
+        self.header.grid()
+    }
+
+    /// What the heights stand on.
+    #[must_use]
+    pub fn body(&self) -> &Body {
+        &self.header.body
+    }
+
+    /// Metres per step.
+    #[must_use]
+    pub fn step_m(&self) -> f64 {
+        self.header.step_m()
+    }
+
+    /// The section table.
+    #[must_use]
+    pub fn sections(&self) -> &[Section] {
+        &self.sections
+    }
+
+    /// All bytes of the file.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        &self.map
+    }
+
+    /// The bytes of the first section of a kind.
+    #[must_use]
+    pub fn section_bytes(&self, kind: [u8; 4]) -> Option<&[u8]> {
+        self.sections.iter().find(|s| s.kind == kind).map(|s| &self.map[range_of(s)])
+    }
+
+    /// Number of tiles.
+    #[must_use]
+    pub fn tile_count(&self) -> usize {
+        self.index.len() / ENTRY_BYTES
+    }
+
+    /// The n-th entry of the index: coarsest level first, then Morton order.
+    pub fn entry(&self, n: usize) -> Result<Entry, FormatError> {
+        let at = self.index.start + n * ENTRY_BYTES;
+        Entry::decode(&self.map[at..at + ENTRY_BYTES], &self.grid(), self.tiles.len() as u64)
+    }
+
+    /// All entries.
+    pub fn entries(&self) -> impl Iterator<Item = Result<Entry, FormatError>> + '_ {
+        (0..self.tile_count()).map(|n| self.entry(n))
+    }
+
+    /// The entry of a tile, or none when the file has no such tile.
+    pub fn find(&self, key: TileKey) -> Result<Option<Entry>, FormatError> {
+        if !self.grid().contains(key) {
+            return Err(FormatError::Request(format!("no tile ({}, {}) at level {}", key.x, key.y, key.level)));
+        }
+        let wanted = Entry::sort_key(key);
+        let (mut low, mut high) = (0, self.tile_count());
+        while low < high {
+            let middle = low.midpoint(high);
+            let at = self.index.start + middle * ENTRY_BYTES;
+            let found = u64::from_le_bytes(array(&self.map, at));
+            match found.cmp(&wanted) {
+                std::cmp::Ordering::Less => low = middle + 1,
+                std::cmp::Ordering::Greater => high = middle,
+                std::cmp::Ordering::Equal => return self.entry(middle).map(Some),
+            }
+        }
+        Ok(None)
+    }
+
+    /// The encoded bytes of one plane of a tile.
+    #[must_use]
+    pub fn plane_bytes(&self, entry: &Entry, plane: Plane) -> &[u8] {
+        let range = entry.range(plane);
+        &self.map[self.tiles.start + range.start as usize..self.tiles.start + range.end as usize]
+    }
+}
+
+fn range_of(section: &Section) -> std::ops::Range<usize> {
+    section.offset as usize..(section.offset + section.length) as usize
+}
+
+/// Takes name and CRS from the metadata, after checking that its numbers are the header's.
+fn adopt_names(header: &mut Body, metadata: &Body) -> Result<(), FormatError> {
+    match (&mut *header, metadata) {
+        (Body::Ellipsoid { name, a_m, b_m }, Body::Ellipsoid { name: n, a_m: a, b_m: b }) if a_m == a && b_m == b => {
+            name.clone_from(n);
+        }
+        (
+            Body::Plane { crs_wkt, x0, y0, dx, dy },
+            Body::Plane { crs_wkt: c, x0: x, y0: y, dx: u, dy: v },
+        ) if (&*x0, &*y0, &*dx, &*dy) == (x, y, u, v) => crs_wkt.clone_from(c),
+        _ => return Err(FormatError::damaged("the metadata's body is not the header's")),
+    }
+    Ok(())
+}
