@@ -17,35 +17,20 @@ had, ETOPO1 of tests/data stands in and the results say so.
 import argparse
 import datetime
 import json
-import math
 import os
 import pathlib
 import platform
 import statistics
-import subprocess
 import sys
-import tarfile
 import tempfile
-import time
 
 import numpy as np
 from osgeo import gdal
 
-gdal.UseExceptions()
+from bench_commands import (BAKE, DATA, MOON_CRS, ROOT, Failed, bake, cog, decode_cog, decode_relief, fetch_moon, run,
+                            strip, together)
+from bench_page import AIMS, geometric_mean, markdown, median
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-DATA = ROOT / "tests/data"
-TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
-BAKE = TARGET / "relief-bake"
-DECODER = TARGET / "examples/decode"
-MOON_PACKAGE = "pdsimage==1.1.1"
-MOON_LABEL, MOON_IMAGE = "LDEM_16.LBL", "LDEM_16.IMG"
-MOON_CRS = "+proj=longlat +R=1737400 +no_defs"
-MIB = 1 << 20
-
-# Section, what is compared, and the largest ratio (or figure) that is aimed at.
-AIMS = {"wall": 0.7, "lossless": 0.6, "bounded": 0.5, "decode": 0.5, "open_ms": 5.0, "memory_gib": 1.2,
-        "time_per_node": 1.2}
 # Integer DEMs on a regular grid: (file, relief's options). A local map keeps the source's pixels.
 LOSSLESS = [("earth_etopo1_6min.tif", ["--vertical", "as-given"]), ("moon_dem_halfmetre_dn.tif", []),
             ("srtm_n40e040_3s.tif", ["--body", "plane", "--vertical", "as-given"]),
@@ -54,71 +39,6 @@ LOSSLESS = [("earth_etopo1_6min.tif", ["--vertical", "as-given"]), ("moon_dem_ha
             ("fiji_across_180.tif", ["--body", "plane", "--vertical", "as-given"])]
 BOUNDED = [(name, ["--body", "plane", "--vertical", "as-given"])
            for name in ("lidar_1m_utm15n.tif", "bathymetry_utm30n_nan_untagged.tif")]
-
-
-class Failed(Exception):
-    """A command failed; the text says which and why."""
-
-
-def run(*command):
-    """Runs a command, returns its wall and CPU seconds, peak bytes and standard output."""
-    command = [str(part) for part in command]
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
-        begin = time.perf_counter()
-        process = subprocess.Popen(command, stdout=out, stderr=err, stdin=subprocess.DEVNULL)
-        _, status, usage = os.wait4(process.pid, 0)
-        wall_s = time.perf_counter() - begin
-        process.returncode = os.waitstatus_to_exitcode(status)
-        out.seek(0)
-        err.seek(0)
-        if process.returncode != 0:
-            raise Failed(f"{' '.join(command)}\n{err.read().decode(errors='replace')[-2000:]}")
-        return {"wall_s": wall_s, "cpu_s": usage.ru_utime + usage.ru_stime, "peak_bytes": usage.ru_maxrss * 1024,
-                "output": out.read().decode(errors="replace")}
-
-
-def together(*results):
-    """One figure for commands that ran one after the other."""
-    return {"wall_s": sum(r["wall_s"] for r in results), "cpu_s": sum(r["cpu_s"] for r in results),
-            "peak_bytes": max(r["peak_bytes"] for r in results)}
-
-
-def median(runs, key):
-    """The median of one figure over all runs."""
-    return statistics.median(r[key] for r in runs)
-
-
-def bake(source, out, *options):
-    """One bake, quiet, replacing the output."""
-    return run(BAKE, "bake", source, "-o", out, "--force", "--quiet", *options)
-
-
-def cog(source, out, *options):
-    """One COG with overviews."""
-    options = [part for option in options for part in ("-co", option)]
-    return run("gdal_translate", "-q", "-of", "COG", source, out, "-co", "BIGTIFF=IF_SAFER",
-               "-co", "OVERVIEW_RESAMPLING=AVERAGE", *options)
-
-
-def fetch_moon(folder):
-    """Gets LOLA's label and image by pip, returns the label's path; None when it cannot be had."""
-    why = "no pip"
-    for pip in ([sys.executable, "-m", "pip"], ["pip3"], ["pip"]):
-        try:
-            run(*pip, "download", "-q", "--no-deps", "--no-binary", ":all:", "-d", folder, MOON_PACKAGE)
-            break
-        except (Failed, OSError) as error:
-            why = error
-    archive = next(iter(folder.glob("pdsimage-*.tar.gz")), None) if folder.is_dir() else None
-    if archive is None:
-        print(f"bench: no LOLA: {why}", file=sys.stderr)
-        return None
-    with tarfile.open(archive) as tar:
-        for member in tar:
-            name = pathlib.PurePosixPath(member.name).name
-            if member.isfile() and name in (MOON_LABEL, MOON_IMAGE):
-                (folder / name).write_bytes(tar.extractfile(member).read())
-    return folder / MOON_LABEL
 
 
 class Bench:
@@ -267,38 +187,6 @@ class Bench:
                 "small_ns_per_node": 1e9 * per_node["small"], "ratio": per_node["large"] / per_node["small"]}
 
 
-def strip(runs):
-    """Runs without what they printed."""
-    return [{key: value for key, value in r.items() if key != "output"} for r in runs]
-
-
-def geometric_mean(values):
-    """Of positive numbers; None of none."""
-    return math.exp(statistics.fmean(math.log(v) for v in values)) if values else None
-
-
-def decode_cog(path):
-    """Seconds in which GDAL opens a COG and reads all of it with all threads."""
-    begin = time.perf_counter()
-    dataset = gdal.OpenEx(str(path), open_options=["NUM_THREADS=ALL_CPUS"])
-    band = dataset.GetRasterBand(1)
-    for y in range(0, band.YSize, 512):  # one row of COG blocks at a time, as a reader would
-        band.ReadRaster(0, y, band.XSize, min(512, band.YSize - y))
-    return time.perf_counter() - begin
-
-
-def decode_relief(path, threads, first_only=False):
-    """The library's own figures, from the example `decode` of relief-formats.
-
-    It prints one JSON object: open_s, first_level_s (the coarsest level), decode_s (every tile of
-    level 0; absent with --first-only).
-    """
-    if not DECODER.exists():
-        raise Failed("the example `decode` of relief-formats is not built")
-    more = ["--first-only"] if first_only else []
-    return json.loads(run(DECODER, path, "--threads", threads, *more)["output"])
-
-
 def build():
     """Builds the tool and the decoder, if there is one."""
     run("cargo", "build", "--release", "--locked", "--manifest-path", ROOT / "Cargo.toml", "-p", "relief-tools")
@@ -324,63 +212,6 @@ def machine():
             "system": f"{platform.system()} {platform.release()}", "gdal": gdal.__version__,
             "rustc": first_line("rustc", "--version"), "relief": first_line(BAKE, "--version"),
             "date": datetime.date.today().isoformat()}
-
-
-def number(value, digits=2):
-    """A figure, or a dash where there is none."""
-    return "-" if value is None else f"{value:.{digits}f}"
-
-
-def verdict(value, aim):
-    """Whether an aim was met."""
-    return "-" if value is None else ("met" if value <= aim else "missed")
-
-
-def markdown(report):
-    """The report as a page."""
-    on, found = report["machine"], report["sections"]
-    lines = ["# Figures of the bake", "",
-             f"Measured on {on['date']}: {on['cpu']}, {on['cores']} cores, {on['memory_gib']} GiB, {on['system']}; "
-             f"GDAL {on['gdal']}, {on['rustc']}, {on['relief']}. Planet: {report['planet']}. "
-             f"Medians of {report['runs']} runs, relief and peer in turns."]
-    if report["note"]:
-        lines.append(f"Note: {report['note']}.")
-    lines += ["", "| what | relief | peer | ratio | aim | |", "|---|---|---|---|---|---|"]
-
-    def row(what, relief, peer, value, aim, digits=2):
-        lines.append(f"| {what} | {relief} | {peer} | {number(value, digits)} | {aim} | {verdict(value, aim)} |")
-
-    wall = found.get("wall", {})
-    if "ratio" in wall:
-        row(f"wall time, m = {wall['m']}, everything in the file", f"{median(wall['relief'], 'wall_s'):.2f} s",
-            f"{median(wall['peer'], 'wall_s'):.2f} s", wall["ratio"], AIMS["wall"])
-    for key, what in (("lossless", "whole file, lossless, integer sources"),
-                      ("bounded", "whole file, bound 0.5 m, float sources")):
-        sizes = found.get(key, {})
-        for file in sizes.get("files", []):
-            lines.append(f"| {file['source']}, {key} | {file['relief_bytes'] / MIB:.2f} MiB | "
-                         f"{file['peer_bytes'] / MIB:.2f} MiB | {file['ratio']:.3f} | | |")
-        if sizes.get("files"):
-            row(f"{what}, geometric mean", "", "", sizes["ratio"], AIMS[key], 3)
-    decode = found.get("decode", {})
-    if "ratio" in decode:
-        row(f"decoding all of level 0, m = {decode['m']}", f"{statistics.median(decode['relief_s']):.3f} s",
-            f"{statistics.median(decode['peer_s']):.3f} s", decode["ratio"], AIMS["decode"])
-    opened = found.get("open", {})
-    for key, value in opened.items():
-        if key.endswith("_ms"):
-            row(f"open and first coarse level, {key[:-3].replace('m', 'm = ')}", f"{value:.2f} ms", "", value, AIMS["open_ms"])
-    memory = found.get("memory", {})
-    if "ratio" in memory:
-        row(f"peak memory, m = {memory['m']}, --memory 1GiB", f"{memory['peak_gib']:.2f} GiB", "", memory["peak_gib"],
-            AIMS["memory_gib"])
-        row(f"time per node, m = {memory['m']} against m = {memory['small_m']}", f"{memory['ns_per_node']:.1f} ns",
-            f"{memory['small_ns_per_node']:.1f} ns", memory["ratio"], AIMS["time_per_node"])
-    errors = [f"- {name}: {section['error']}" for name, section in found.items() if "error" in section]
-    errors += [f"- {s['source']}: {s['why']}" for section in found.values() for s in section.get("skipped", [])]
-    if errors:
-        lines += ["", "Not measured:", "", *errors]
-    return "\n".join(lines) + "\n"
 
 
 SECTIONS = ("wall", "lossless", "bounded", "decode", "memory", "open")

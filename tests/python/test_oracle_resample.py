@@ -10,6 +10,7 @@ from osgeo import gdal, osr
 
 import oracle_resample as oracle
 import rasters
+import sampler
 
 DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
 
@@ -76,7 +77,7 @@ class Synthetic(unittest.TestCase):
         rows, columns = globe.raster.height_m.shape
         inner = (c >= 0) & (c <= columns - 1) & (r >= 0) & (r <= rows - 1)
         self.assertGreater(inner.sum(), 50)
-        self.assertTrue((state[inner] == oracle.DATA).all())
+        self.assertTrue((state[inner] == sampler.DATA).all())
         np.testing.assert_allclose(low[inner], plane_height_m(lon, lat)[inner], atol=1e-9)
         np.testing.assert_array_equal(low[inner], high[inner])
 
@@ -108,7 +109,7 @@ class Synthetic(unittest.TestCase):
         globe = self.globe(gt, samples_of(gt, 60, 70))
         low, _, state = globe.window(0, 510, 128, 6, 1)  # 178.6 E to -177.9, across 180
         lon = -180.0 + 180.0 / 256 * (510 + np.arange(6))
-        self.assertTrue((state == oracle.DATA).all())
+        self.assertTrue((state == sampler.DATA).all())
         np.testing.assert_allclose(low[0], plane_height_m(lon, 0.0), atol=1e-9)
 
     def test_full_turns_wrap_from_any_start(self):
@@ -118,7 +119,7 @@ class Synthetic(unittest.TestCase):
         for west in (-180.0, 0.0, 90.0):
             gt = (west, 1.0, 0, 90.0, 0, -1.0)
             low, _, state = self.globe(gt, samples_of(gt, 180, 360, height_m)).window(0, 0, 0, 512, 257)
-            self.assertTrue((state == oracle.DATA).all())
+            self.assertTrue((state == sampler.DATA).all())
             if want is not None:
                 np.testing.assert_allclose(low, want, atol=1e-9)
             want = low
@@ -129,7 +130,7 @@ class Synthetic(unittest.TestCase):
         gt = (-0.5, 1.0, 0, 90.5, 0, -1.0)
         globe = self.globe(gt, samples_of(gt, 181, 361, lambda lon, lat: lat + 0 * lon))
         low, _, state = globe.window(0, 0, 0, 512, 257)
-        self.assertTrue((state == oracle.DATA).all())
+        self.assertTrue((state == sampler.DATA).all())
         want = np.repeat((-90 + 180 / 256 * np.arange(257))[:, None], 512, axis=1)
         np.testing.assert_allclose(low, want, atol=1e-9)
 
@@ -151,10 +152,10 @@ class Synthetic(unittest.TestCase):
         globe = self.globe(gt, heights, m=12, nodata=-9999.0)
         low, _, state = globe.window(*globe.cover(0))
         self.assertEqual(set(np.unique(low[~np.isnan(low)])), {5.0})
-        void = (state == oracle.VOID) & self.inner(globe, margin_deg=0.1)
+        void = (state == sampler.VOID) & self.inner(globe, margin_deg=0.1)
         self.assertAlmostEqual(void.sum() / (4096 / 180) ** 2, 1.0, delta=0.1)  # one pixel's worth of nodes
         inside = globe.window(0, *self.nodes_of(12, 14.1, 46.1), 16, 16)[2]
-        self.assertTrue((inside == oracle.VOID).all())
+        self.assertTrue((inside == sampler.VOID).all())
 
     @staticmethod
     def inner(globe, margin_deg):
@@ -180,14 +181,14 @@ class Synthetic(unittest.TestCase):
             heights[3, 4] = bad
             globe = self.globe(gt, heights, m=10, kernel="nearest")
             low, high, state = globe.window(0, *self.nodes_of(10, 14.3, 46.3), 2, 2)
-            self.assertTrue((state == oracle.VOID).all() and np.isnan(low).all() and np.isnan(high).all())
+            self.assertTrue((state == sampler.VOID).all() and np.isnan(low).all() and np.isnan(high).all())
 
     def test_minus_32768_is_a_height_unless_said_otherwise(self):
         gt = (10.0, 1.0, 0, 50.0, 0, -1.0)
         heights = np.full((8, 8), -32768.0)
-        self.assertEqual(self.globe(gt, heights).window(0, *self.nodes_of(8, 14, 46), 1, 1)[2][0, 0], oracle.DATA)
+        self.assertEqual(self.globe(gt, heights).window(0, *self.nodes_of(8, 14, 46), 1, 1)[2][0, 0], sampler.DATA)
         said = self.globe(gt, heights, read={"nodata": -32768.0})
-        self.assertEqual(said.window(0, *self.nodes_of(8, 14, 46), 1, 1)[2][0, 0], oracle.VOID)
+        self.assertEqual(said.window(0, *self.nodes_of(8, 14, 46), 1, 1)[2][0, 0], sampler.VOID)
 
     def test_scale_offset_and_unit(self):
         gt = (10.0, 1.0, 0, 50.0, 0, -1.0)
@@ -206,7 +207,7 @@ class Synthetic(unittest.TestCase):
         gt = (-180.0, 180.0 / 256, 0, 90.0, 0, -180.0 / 256)  # nodes lie on pixel corners
         heights = np.arange(256 * 512, dtype=float).reshape(256, 512)
         low, high, state = self.globe(gt, heights, kernel="nearest").window(0, 10, 10, 4, 4)
-        self.assertTrue((state == oracle.DATA).all())
+        self.assertTrue((state == sampler.DATA).all())
         np.testing.assert_array_equal(high - low, 513.0)
 
     def test_projected_sources_agree_with_the_projection(self):
@@ -216,7 +217,7 @@ class Synthetic(unittest.TestCase):
         globe = self.globe(gt, samples_of(gt, 200, 200, height_m), m=14, epsg=32630)
         window = globe.cover(0)
         low, _, state = globe.window(*window)
-        self.assertGreater((state == oracle.DATA).sum(), 100)
+        self.assertGreater((state == sampler.DATA).sum(), 100)
         wgs84, utm = osr.SpatialReference(), osr.SpatialReference()
         wgs84.ImportFromEPSG(4326)
         utm.ImportFromEPSG(32630)
@@ -226,7 +227,7 @@ class Synthetic(unittest.TestCase):
         lon, lat = -180 + 180 / 16384 * (x0 + i), -90 + 180 / 16384 * (y0 + j)
         x, y, _ = there.TransformPoint(lat, lon)
         self.assertAlmostEqual(low[j, i], height_m(x, y), places=6)
-        self.assertTrue((globe.window(0, 0, 0, 4, 1)[2] == oracle.VOID).all())  # the far pole
+        self.assertTrue((globe.window(0, 0, 0, 4, 1)[2] == sampler.VOID).all())  # the far pole
 
     def test_a_plane_takes_pixels_from_the_lower_left_one(self):
         gt = (0.0, 10.0, 0, 0.0, 0, -10.0)
@@ -235,8 +236,8 @@ class Synthetic(unittest.TestCase):
         low, _, state = oracle.Plane(raster, 2).window(0, 0, 0, 5, 5)
         np.testing.assert_array_equal(low[0], [8, 9, 10, 11, 11])
         np.testing.assert_array_equal(low[:, 0], [8, 4, 0, 0, 0])
-        np.testing.assert_array_equal(state[3], [oracle.FILLED] * 5)
-        np.testing.assert_array_equal(state[1], [oracle.DATA] * 5)
+        np.testing.assert_array_equal(state[3], [sampler.FILLED] * 5)
+        np.testing.assert_array_equal(state[1], [sampler.DATA] * 5)
 
 
 class RealData(unittest.TestCase):
@@ -265,7 +266,7 @@ class RealData(unittest.TestCase):
     def test_the_south_pole_in_polar_stereographic(self):
         globe = oracle.Globe(rasters.read(DATA / "antarctica_epsg3031.tif"), 11, "bilinear", None)
         low, _, state = globe.window(0, 0, 0, 4096, 1)
-        self.assertTrue((state == oracle.DATA).all())
+        self.assertTrue((state == sampler.DATA).all())
         self.assertAlmostEqual(low[0, 0], 2805, delta=10)
         self.assertLess(np.ptp(low), 1e-6)
 
