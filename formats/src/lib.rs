@@ -6,7 +6,10 @@
 pub mod body;
 pub mod codec;
 pub mod derive;
+pub mod file;
 pub mod geodesy;
 pub mod grid;
 pub mod mesh;
 pub mod tile;
+pub mod tile_planes;
+pub mod tiles;
