@@ -44,3 +44,20 @@ pub enum ToolError {
     #[error("interrupted\n  rule: no output is published before it is whole\n  remedy: run again with --resume to go on")]
     Interrupted,
 }
+
+impl ToolError {
+    /// A [`ToolError::Usage`] from its three sentences.
+    pub fn usage(what: impl Into<String>, rule: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Usage { what: what.into(), rule: rule.into(), remedy: remedy.into() }
+    }
+
+    /// A [`ToolError::Source`] about the input `path`.
+    pub fn source(
+        path: impl Into<String>,
+        what: impl Into<String>,
+        rule: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self::Source { path: path.into(), what: what.into(), rule: rule.into(), remedy: remedy.into() }
+    }
+}

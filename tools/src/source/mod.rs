@@ -1,1 +1,147 @@
-//! Elevation rasters as the bake sees them.
+//! Elevation sources: what the user names, opened, understood and sampled onto nodes.
+
+mod crs;
+mod exr_reader;
+mod gdal_reader;
+mod georef;
+mod heights;
+mod open;
+mod options;
+mod quiet;
+pub(crate) mod raster;
+mod record;
+mod sample;
+
+#[cfg(test)]
+mod tests;
+
+use relief_formats::body::Body;
+use relief_formats::grid::Grid;
+
+pub use options::{BodyChoice, Fill, Registration, Resample, SourceOptions, Unit, Vertical};
+pub use record::SourceRecord;
+
+use crate::error::ToolError;
+use crate::resample::axis::Axis;
+
+/// A node without data.
+pub const VOID: u8 = 0;
+/// A node with a height from the source.
+pub const DATA: u8 = 1;
+/// A node whose height was interpolated over a void, or is the padding of a plane.
+pub const FILLED: u8 = 2;
+
+/// A rectangle of nodes of one level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NodeWindow {
+    /// Level of the nodes.
+    pub level: u32,
+    /// Westernmost column; on a globe any integer, modulo the level's width.
+    pub x0: i64,
+    /// Southernmost row.
+    pub y0: i64,
+    /// Columns.
+    pub nx: usize,
+    /// Rows.
+    pub ny: usize,
+}
+
+/// Heights of a [`NodeWindow`], row by row, south row first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightBlock {
+    /// Metres; 0 where the state is [`VOID`].
+    pub height_m: Vec<f32>,
+    /// [`VOID`], [`DATA`] or [`FILLED`] of each node.
+    pub state: Vec<u8>,
+}
+
+/// All inputs of a bake, in the order they were named. Can be used from many threads at once.
+pub struct SourceSet {
+    /// What the heights stand on.
+    pub body: Body,
+    sources: Vec<Source>,
+    options: SourceOptions,
+}
+
+/// One input.
+struct Source {
+    raster: raster::Raster,
+    mapping: Mapping,
+    /// Distance between samples, degrees at the equator (plane: level-0 nodes, so 1).
+    spacing: f64,
+    rule: heights::HeightRule,
+    record: SourceRecord,
+    poles: [std::sync::OnceLock<(f64, u8)>; 2],
+}
+
+/// How a node's place becomes a place among pixels.
+enum Mapping {
+    LonLat { columns: Axis, rows: Axis },
+}
+
+/// Opens, understands and orders the inputs. Pixels are read at first use.
+///
+/// # Errors
+/// [`ToolError::Usage`] for options that contradict each other or the inputs,
+/// [`ToolError::Source`] for an input that cannot be used, [`ToolError::Io`] for one that cannot
+/// be read.
+pub fn open_sources(inputs: &[String], options: &SourceOptions) -> Result<SourceSet, ToolError> {
+    open::open_all(inputs, options)
+}
+
+impl SourceSet {
+    /// The smallest m whose node spacing at the equator is no coarser than the finest source, at
+    /// least 8; may exceed what a file can have.
+    #[must_use]
+    pub fn default_m(&self) -> u32 {
+        let finest = self.sources.iter().map(|source| source.spacing).fold(f64::INFINITY, f64::min);
+        (8..32).find(|m| open::no_coarser(180.0 / 2f64.powi(*m), finest)).map_or(32, |m| m as u32)
+    }
+
+    /// Number of sources.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.sources.len()
+    }
+
+    /// True without sources; [`open_sources`] never returns such a set.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.sources.is_empty()
+    }
+
+    /// The coarsest level whose nodes are no further apart than this source's samples: the first
+    /// level it is sampled at. 0 where even the finest nodes are coarser.
+    #[must_use]
+    pub fn finest_level(&self, source: usize, grid: &Grid) -> u32 {
+        self.sources[source].finest_level(grid)
+    }
+
+    /// False only if no node of the window can have data from this source.
+    #[must_use]
+    pub fn covers(&self, source: usize, grid: &Grid, window: &NodeWindow) -> bool {
+        self.sources[source].covers(grid, window)
+    }
+
+    /// The largest power of two, metres, of which every stored height of every source is a
+    /// multiple; none where there is no sensible one (floats, feet, an added geoid).
+    #[must_use]
+    pub fn native_step_m(&self) -> Option<f64> {
+        let steps = self.sources.iter().map(|source| source.rule.native_step_m());
+        steps.reduce(|a, b| Some(a?.min(b?))).flatten()
+    }
+
+    /// What was used, in order.
+    #[must_use]
+    pub fn describe(&self) -> Vec<SourceRecord> {
+        self.sources.iter().map(|source| source.record.clone()).collect()
+    }
+
+    /// Heights of one source at the nodes of a window.
+    ///
+    /// # Errors
+    /// [`ToolError::Source`] when the file turns out to be damaged, or void throughout.
+    pub fn sample(&self, source: usize, grid: &Grid, window: &NodeWindow) -> Result<HeightBlock, ToolError> {
+        self.sources[source].sample(&self.options, grid, window)
+    }
+}

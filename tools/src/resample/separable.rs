@@ -1,0 +1,235 @@
+//! Sampling of lon/lat rasters: taps per column and per row, then whole rows at a time.
+
+use super::axis::Axis;
+use super::kernel::Kernel;
+use crate::error::ToolError;
+use crate::source::raster::{Patch, Raster};
+
+/// Most pixels copied out of a raster at a time.
+const PATCH_PIXELS: usize = 1 << 21;
+
+/// A lon/lat raster's pixels, axes and kernels.
+pub(crate) struct Separable<'a> {
+    pub raster: &'a Raster,
+    pub columns: &'a Axis,
+    pub rows: &'a Axis,
+    pub kernels: (Kernel, Kernel),
+}
+
+/// The taps of a list of positions on one axis.
+struct Taps {
+    kernel: Kernel,
+    /// For each tap list: kernel's first tap, fallback's first tap, the containing pixel.
+    starts: Vec<[i64; 3]>,
+    weights: Vec<f64>,
+    fallback: Vec<f64>,
+    /// Index of each position in the lists above; none outside the raster.
+    slots: Vec<Option<u32>>,
+}
+
+impl Taps {
+    fn new(axis: &Axis, kernel: Kernel, positions: impl Iterator<Item = Option<f64>>) -> Self {
+        let (many, few) = (kernel.taps(), kernel.fallback().taps());
+        let mut taps =
+            Self { kernel, starts: Vec::new(), weights: Vec::new(), fallback: Vec::new(), slots: Vec::new() };
+        for position in positions {
+            taps.slots.push(position.map(|u| {
+                let slot = taps.starts.len();
+                let starts = [kernel.start(axis, u), kernel.fallback().start(axis, u), axis.home(u)];
+                taps.starts.push(starts);
+                taps.weights.resize((slot + 1) * many, 0.0);
+                kernel.weigh(axis, u, &mut taps.weights[slot * many..]);
+                taps.fallback.resize((slot + 1) * few, 0.0);
+                kernel.fallback().weigh(axis, u, &mut taps.fallback[slot * few..]);
+                slot as u32
+            }));
+        }
+        taps
+    }
+
+    fn slots_in(&self, range: std::ops::Range<usize>) -> Vec<(usize, usize)> {
+        range.filter_map(|at| self.slots[at].map(|slot| (at, slot as usize))).collect()
+    }
+
+    /// All sample indices that the positions `used` touch, ascending.
+    fn touched(&self, used: &[(usize, usize)]) -> Vec<i64> {
+        let many = self.kernel.taps() as i64;
+        let mut touched: Vec<i64> = Vec::with_capacity(used.len() * 2);
+        let mut stretches: Vec<i64> = used.iter().map(|&(_, slot)| self.starts[slot][0]).collect();
+        stretches.sort_unstable();
+        for start in stretches {
+            let from = touched.last().map_or(start, |last| start.max(last + 1));
+            touched.extend(from..start + many);
+        }
+        touched
+    }
+}
+
+impl Separable<'_> {
+    /// Heights at every combination of `lats` and `lons` (sample coordinates, none outside), row
+    /// by row into `heights`: metres, NaN where void.
+    ///
+    /// # Errors
+    /// Those of reading the raster.
+    pub fn sample(
+        &self,
+        us: impl Iterator<Item = Option<f64>>,
+        vs: impl Iterator<Item = Option<f64>>,
+        heights_m: &mut [f64],
+    ) -> Result<(), ToolError> {
+        let columns = Taps::new(self.columns, self.kernels.0, us);
+        let rows = Taps::new(self.rows, self.kernels.1, vs);
+        let whole = (0..columns.slots.len(), 0..rows.slots.len());
+        self.sample_part(&columns, &rows, whole.0, whole.1, heights_m)
+    }
+
+    fn sample_part(
+        &self,
+        columns: &Taps,
+        rows: &Taps,
+        x_range: std::ops::Range<usize>,
+        y_range: std::ops::Range<usize>,
+        heights_m: &mut [f64],
+    ) -> Result<(), ToolError> {
+        let (xs, ys) = (columns.slots_in(x_range.clone()), rows.slots_in(y_range.clone()));
+        if xs.is_empty() || ys.is_empty() {
+            return Ok(());
+        }
+        let (touched_x, touched_y) = (columns.touched(&xs), rows.touched(&ys));
+        if touched_x.len() * touched_y.len() > PATCH_PIXELS && (ys.len() > 1 || xs.len() > 1) {
+            let halves = |range: &std::ops::Range<usize>| {
+                let middle = range.start + range.len() / 2;
+                (range.start..middle, middle..range.end)
+            };
+            if y_range.len() > 1 {
+                let (south, north) = halves(&y_range);
+                self.sample_part(columns, rows, x_range.clone(), south, heights_m)?;
+                return self.sample_part(columns, rows, x_range, north, heights_m);
+            }
+            let (west, east) = halves(&x_range);
+            self.sample_part(columns, rows, west, y_range.clone(), heights_m)?;
+            return self.sample_part(columns, rows, east, y_range, heights_m);
+        }
+        let stored_x: Vec<_> = touched_x.iter().map(|&x| self.columns.stored(x).0).collect();
+        let stored_y: Vec<_> = touched_y.iter().map(|&y| self.rows.stored(y)).collect();
+        let patch = self.raster.gather(&stored_y, &stored_x, self.columns.period)?;
+        // Where each position's taps begin within the patch.
+        let begin = |touched: &[i64], starts: [i64; 3]| {
+            let at = touched.partition_point(|&index| index < starts[0]);
+            [at, at + (starts[1] - starts[0]) as usize, at + (starts[2] - starts[0]) as usize]
+        };
+        let at_x: Vec<_> = xs.iter().map(|&(_, slot)| begin(&touched_x, columns.starts[slot])).collect();
+        let stride = columns.slots.len();
+        let mut mixed = vec![0.0; patch.nx];
+        let mut line = vec![0.0; xs.len()];
+        // Positions inside the raster usually are one stretch: then their weights are, too.
+        let weights: Vec<f64> = {
+            let many = columns.kernel.taps();
+            xs.iter().flat_map(|&(_, slot)| &columns.weights[slot * many..][..many]).copied().collect()
+        };
+        let starts: Vec<u32> = at_x.iter().map(|begin| begin[0] as u32).collect();
+        for &(y, row_slot) in &ys {
+            let at_y = begin(&touched_y, rows.starts[row_slot]);
+            let many = rows.kernel.taps();
+            mix_rows(&patch.pixels[at_y[0] * patch.nx..], &rows.weights[row_slot * many..][..many], &mut mixed);
+            match columns.kernel.taps() {
+                1 => mix_columns::<1>(&mixed, &starts, &weights, &mut line),
+                2 => mix_columns::<2>(&mixed, &starts, &weights, &mut line),
+                4 => mix_columns::<4>(&mixed, &starts, &weights, &mut line),
+                6 => mix_columns::<6>(&mixed, &starts, &weights, &mut line),
+                taps => mix_columns_wide(&mixed, &starts, taps, &weights, &mut line),
+            }
+            let out = &mut heights_m[y * stride..][..stride];
+            for (at, (&(x, slot), height)) in xs.iter().zip(&line).enumerate() {
+                out[x] = match height.is_nan() {
+                    false => *height,
+                    true => beside_voids(&patch, at_x[at], at_y, fallback(columns, slot), fallback(rows, row_slot)),
+                };
+            }
+        }
+        Ok(())
+    }
+}
+
+fn fallback(taps: &Taps, slot: usize) -> &[f64] {
+    let few = taps.kernel.fallback().taps();
+    &taps.fallback[slot * few..][..few]
+}
+
+/// Height where a tap is void: none if the containing pixel is, else the fallback kernel over
+/// the pixels that are not, their weights made to sum to 1.
+fn beside_voids(patch: &Patch, x: [usize; 3], y: [usize; 3], wx: &[f64], wy: &[f64]) -> f64 {
+    if patch.pixels[y[2] * patch.nx + x[2]].is_nan() {
+        return f64::NAN;
+    }
+    let (mut sum, mut total) = (0.0, 0.0);
+    for (row, wy) in wy.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+        let line = &patch.pixels[(y[1] + row) * patch.nx + x[1]..];
+        for (pixel, wx) in line.iter().zip(wx).filter(|(_, w)| **w != 0.0) {
+            if !pixel.is_nan() {
+                sum += wx * wy * f64::from(*pixel);
+                total += wx * wy;
+            }
+        }
+    }
+    sum / total
+}
+
+/// Weighted sum of the first `weights.len()` rows of `pixels`.
+#[multiversion::multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn mix_rows(pixels: &[f32], weights: &[f64], mixed: &mut [f64]) {
+    let nx = mixed.len();
+    match *weights {
+        [_] => {
+            for (out, p) in mixed.iter_mut().zip(&pixels[..nx]) {
+                *out = f64::from(*p);
+            }
+        }
+        [a, b] => {
+            let (p, q) = (&pixels[..nx], &pixels[nx..2 * nx]);
+            for i in 0..nx {
+                mixed[i] = a * f64::from(p[i]) + b * f64::from(q[i]);
+            }
+        }
+        [a, b, c, d] => {
+            let (p, q, r, s) = (&pixels[..nx], &pixels[nx..2 * nx], &pixels[2 * nx..3 * nx], &pixels[3 * nx..4 * nx]);
+            for i in 0..nx {
+                mixed[i] =
+                    a * f64::from(p[i]) + b * f64::from(q[i]) + (c * f64::from(r[i]) + d * f64::from(s[i]));
+            }
+        }
+        _ => {
+            mixed.fill(0.0);
+            for (line, weight) in pixels.chunks_exact(nx).zip(weights) {
+                // A box's spare tap has no weight, and must not bring in a void.
+                if *weight != 0.0 {
+                    for (out, p) in mixed.iter_mut().zip(line) {
+                        *out += weight * f64::from(*p);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Weighted sums of K neighbours from each start.
+#[multiversion::multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn mix_columns<const K: usize>(mixed: &[f64], starts: &[u32], weights: &[f64], line: &mut [f64]) {
+    for ((out, start), weights) in line.iter_mut().zip(starts).zip(weights.chunks_exact(K)) {
+        let taps = &mixed[*start as usize..][..K];
+        let mut sum = 0.0;
+        for k in 0..K {
+            sum += weights[k] * taps[k];
+        }
+        *out = sum;
+    }
+}
+
+/// [`mix_columns`] for any number of taps.
+#[multiversion::multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn mix_columns_wide(mixed: &[f64], starts: &[u32], taps: usize, weights: &[f64], line: &mut [f64]) {
+    for ((out, start), weights) in line.iter_mut().zip(starts).zip(weights.chunks_exact(taps)) {
+        let values = &mixed[*start as usize..][..taps];
+        *out = values.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(v, w)| v * w).sum();
+    }
+}

@@ -1,0 +1,175 @@
+//! From names and options to sources that agree with each other.
+
+use std::sync::OnceLock;
+
+use relief_formats::body::Body;
+
+use super::exr_reader::{ExrReader, is_exr, open_exr};
+use super::gdal_reader::{GdalReader, open_band};
+use super::georef::Georef;
+use super::heights::{BandTags, HeightRule};
+use super::options::SourceOptions;
+use super::raster::{Raster, Reader};
+use super::record::{SourceRecord, file_name, hash_file};
+use super::{Mapping, Source, SourceSet, quiet};
+use crate::error::ToolError;
+use crate::resample::axis::Axis;
+
+/// `a` is not a larger spacing than `b`, but for the rounding of tags to a part in a thousand.
+pub(super) fn no_coarser(a: f64, b: f64) -> bool {
+    a <= b * 1.001
+}
+
+/// An input before it is placed on a body.
+struct Opened {
+    path: String,
+    size: (usize, usize),
+    tags: BandTags,
+    type_name: String,
+    driver: String,
+    georef: Georef,
+    format: Format,
+}
+
+enum Format {
+    Gdal(Box<super::gdal_reader::OpenBand>),
+    Exr(super::exr_reader::OpenExr),
+}
+
+pub(super) fn open_all(inputs: &[String], options: &SourceOptions) -> Result<SourceSet, ToolError> {
+    quiet::set_up();
+    if inputs.is_empty() {
+        return Err(ToolError::usage("no input", "a bake needs at least one raster", "name one or more files"));
+    }
+    let opened = inputs.iter().map(|path| open_one(path, options)).collect::<Result<Vec<_>, _>>()?;
+    if options.bounds.is_some() && !opened.iter().any(|input| input.georef.from_bounds) {
+        return Err(ToolError::usage(
+            "--bounds with inputs that all have a georeference of their own",
+            "--bounds is for files without one",
+            "leave --bounds out",
+        ));
+    }
+    let body = common_body(&opened, options)?;
+    let budget = options.memory_bytes / 3;
+    let shares = shares(&opened, budget);
+    let sources = opened
+        .into_iter()
+        .zip(shares)
+        .map(|(input, share)| place(input, share, &body, options))
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(SourceSet { body, sources, options: options.clone() })
+}
+
+fn open_one(path: &str, options: &SourceOptions) -> Result<Opened, ToolError> {
+    if is_exr(path) {
+        let exr = open_exr(path, options.channel.as_deref())?;
+        let georef = Georef::of_bounds(path, exr.size, options)?;
+        return Ok(Opened {
+            path: path.into(),
+            size: exr.size,
+            tags: exr.tags.clone(),
+            type_name: exr.type_name.clone(),
+            driver: "EXR".into(),
+            georef,
+            format: Format::Exr(exr),
+        });
+    }
+    let band = open_band(path, options.channel.as_deref())?;
+    let georef = Georef::of_dataset(path, &band.dataset, options)?;
+    let mut tags = band.tags.clone();
+    // The vertical axis's unit counts where the band does not say its own.
+    if tags.unit.is_empty()
+        && let Some(unit_m) = georef.crs.as_ref().and_then(|crs| crs.vertical_unit_m)
+    {
+        tags.unit_m = Some(unit_m);
+    }
+    Ok(Opened {
+        path: path.into(),
+        size: (band.width, band.height),
+        tags,
+        type_name: band.type_name.clone(),
+        driver: band.driver.clone(),
+        georef,
+        format: Format::Gdal(Box::new(band)),
+    })
+}
+
+fn common_body(opened: &[Opened], options: &SourceOptions) -> Result<Body, ToolError> {
+    let first = opened[0].georef.body(options);
+    for input in &opened[1..] {
+        let other = input.georef.body(options);
+        if other != first {
+            return Err(ToolError::usage(
+                format!("{} lies on {}, {} on {}", opened[0].path, name(&first), input.path, name(&other)),
+                "all inputs of one bake lie on one body",
+                "bake them apart, or say which body with --body",
+            ));
+        }
+    }
+    Ok(first)
+}
+
+fn name(body: &Body) -> String {
+    match body {
+        Body::Ellipsoid { name, .. } => name.clone(),
+        Body::Plane { .. } => "a plane".into(),
+    }
+}
+
+/// Bytes of pixels each input may hold: all of them, smallest first, while they fit; the rest
+/// share what is left.
+fn shares(opened: &[Opened], budget: u64) -> Vec<u64> {
+    let bytes = |input: &Opened| input.size.0 as u64 * input.size.1 as u64 * 4;
+    let mut order: Vec<_> = (0..opened.len()).collect();
+    order.sort_by_key(|at| bytes(&opened[*at]));
+    let (mut left, mut shares) = (budget, vec![0; opened.len()]);
+    for (done, at) in order.iter().enumerate() {
+        let fair = left / (opened.len() - done) as u64;
+        shares[*at] = bytes(&opened[*at]).min(fair);
+        left -= shares[*at];
+    }
+    shares
+}
+
+fn place(input: Opened, budget: u64, body: &Body, options: &SourceOptions) -> Result<Source, ToolError> {
+    let Opened { path, size, tags, type_name, driver, georef, format } = input;
+    let rule = HeightRule::new(&path, &tags, options, body)?;
+    let reader = match format {
+        Format::Gdal(band) => Reader::Gdal(GdalReader::new(&path, *band, rule.clone())),
+        Format::Exr(exr) => Reader::Exr(ExrReader::new(&path, &exr, rule.clone())),
+    };
+    let raster = Raster::new(&path, size, reader, budget, options.threads);
+    let (mapping, spacing) = lon_lat(size, &georef);
+    let record = SourceRecord {
+        file: file_name(&path),
+        blake3: hash_file(&path)?,
+        driver,
+        width: size.0,
+        height: size.1,
+        sample_type: type_name,
+        crs: georef.describe(),
+        registration: if georef.node_bounds { "node".into() } else { "cell".into() },
+        unit_m: rule.unit_m,
+        scale: rule.scale,
+        offset: rule.offset,
+        radius_removed_m: rule.radius_m,
+        nodata: rule.nodata,
+        spacing,
+        vertical: String::new(),
+        geoid_blake3: None,
+    };
+    Ok(Source { raster, mapping, spacing, rule, record, poles: [const { OnceLock::new() }; 2] })
+}
+
+/// The axes of a raster whose columns are meridians and whose rows are parallels.
+fn lon_lat((nx, ny): (usize, usize), georef: &Georef) -> (Mapping, f64) {
+    let [x0, dx, _, y0, _, dy] = georef.transform;
+    let extent = |n: usize| {
+        let last = n as f64 - 1.0;
+        if georef.node_bounds { [0.0, last] } else { [-0.5, last + 0.5] }
+    };
+    let columns = Axis::longitude(nx, x0 + 0.5 * dx, dx, extent(nx));
+    let rows = Axis::latitude(ny, y0 + 0.5 * dy, dy, extent(ny), columns.period.is_some());
+    let spacing = columns.step_deg.abs().min(rows.step_deg.abs());
+    (Mapping::LonLat { columns, rows }, spacing)
+}
