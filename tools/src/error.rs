@@ -40,6 +40,15 @@ pub enum ToolError {
         /// What usually helps.
         remedy: String,
     },
+    /// A `.relief` file cannot be opened, read or written.
+    #[error("{path}: {error}\n  remedy: {remedy}", path = path.display(), remedy = format_remedy(error))]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        #[source]
+        error: relief_formats::file::FormatError,
+    },
     /// The user pressed Ctrl-C or the process was asked to end.
     #[error("interrupted\n  rule: no output is published before it is whole\n  remedy: run again with --resume to go on")]
     Interrupted,
@@ -59,5 +68,23 @@ impl ToolError {
         remedy: impl Into<String>,
     ) -> Self {
         Self::Source { path: path.into(), what: what.into(), rule: rule.into(), remedy: remedy.into() }
+    }
+}
+
+impl ToolError {
+    /// For `map_err` on what the formats crate says of the file at `path`.
+    pub fn of_file(path: &std::path::Path) -> impl Fn(relief_formats::file::FormatError) -> Self + Copy + '_ {
+        move |error| Self::File { path: path.to_path_buf(), error }
+    }
+}
+
+fn format_remedy(error: &relief_formats::file::FormatError) -> &'static str {
+    use relief_formats::file::FormatError;
+    match error {
+        FormatError::Io { .. } => "check that the path exists, can be read or written, and that the disk has room",
+        FormatError::NotRelief(_) => "name a file that `relief-bake bake` wrote",
+        FormatError::Unsupported(_) => "use a newer relief-bake",
+        FormatError::Damaged(_) | FormatError::Tile { .. } => "copy the file again or bake it again; `relief-bake validate` lists all damage",
+        FormatError::Request(_) => "ask for something the file has; see `relief-bake inspect`",
     }
 }
