@@ -19,8 +19,8 @@ pub struct Base {
     pub level: u32,
     /// Nodes of the level, in height units.
     pub nodes: Field<i32>,
-    /// Filtered heights at the same nodes; at level 0 the nodes themselves.
-    pub mip: Field<i32>,
+    /// Filtered heights at the same nodes; `None` at level 0, where they are the nodes themselves.
+    pub mip: Option<Field<i32>>,
     /// What lies below, unless this is level 0.
     pub below: Option<Below>,
 }
@@ -36,16 +36,17 @@ pub struct Below {
     pub centres: Field<u8>,
 }
 
-/// The planes of one level over a block's core, which has X x Y cells at this level.
+/// The planes of one level over a block's core. All but `extremes` reach beyond it, into what is
+/// left of the padding: not a bound of anything there, for the caller to crop.
 #[derive(Clone, Debug)]
 pub struct LevelPlanes {
     /// The level.
     pub level: u32,
-    /// (X + 1) x (Y + 1) nodes.
+    /// The nodes.
     pub nodes: Field<i32>,
-    /// Filtered heights at these nodes.
-    pub mip: Field<i32>,
-    /// H_ext, X/2 x Y/2 cells.
+    /// Filtered heights; `None` at level 0, where they are the nodes themselves.
+    pub mip: Option<Field<i32>>,
+    /// H_ext, for the core's cells of the next coarser level.
     pub extremes: Field<Extremes>,
     /// Deviation codes at the nodes, 0 at (even, even) ones.
     pub deviations: Field<u8>,
@@ -81,61 +82,65 @@ pub fn derive_block(base: Base, core: Window, levels: u32) -> Block {
         "core {core:?} is not made of whole cells {levels} levels up"
     );
     let first = base.level;
-    let (mut intervals, mut extremes, mut codes) = match base.below {
+    let (mut intervals, lowest, mut centre_codes) = match base.below {
         Some(below) => (vec![Some(below.intervals)], Some(below.extremes), Some(below.centres)),
         None => (vec![None], None, None),
     };
-    let (mut nodes, mut mip) = (vec![base.nodes], base.mip);
-    let mut out = Vec::with_capacity(levels as usize);
+    let mut nodes = vec![base.nodes];
+    let mut mips = vec![base.mip];
+    let mut extremes: Vec<Field<Extremes>> = Vec::new();
+    let mut codes = Vec::new();
     for index in 0..levels as usize {
-        let k = first + index as u32;
-        let cells = shift(core, index);
         let coarse = shift(core, index + 1);
-        // Each level's codes are the children of the next one's on a border of one cell more.
+        // Each level's codes are the children of the next one's on a border of one cell more; the
+        // filter, too, eats one node a level.
         let border = (1 << (levels as usize - 1 - index)) - 1;
-        let sample = (sample_level(k, first) - first) as usize;
+        let sample = (sample_level(first + index as u32, first) - first) as usize;
         let sources = Sources {
             nodes: &nodes[sample],
             intervals: intervals[sample].as_ref(),
-            children: codes.as_ref(),
+            children: centre_codes.as_ref(),
             span: (index - sample) as u32,
         };
         let plane = deviations(&sources, coarse.expand(border));
+        centre_codes = Some(centres(&plane));
+        codes.push(plane);
         let mut ext = Field::new(coarse);
-        match &extremes {
+        match extremes.last().or(lowest.as_ref()) {
             Some(finer) => extremes_next(finer, coarse, ext.data_mut()),
             None => extremes_from_nodes(&nodes[index], coarse, ext.data_mut()),
         }
-        out.push(LevelPlanes {
-            level: k,
-            nodes: nodes[index].crop(cells.nodes()),
-            mip: mip.crop(cells.nodes()),
-            extremes: ext.clone(),
-            deviations: plane.crop(cells.nodes()),
-        });
+        extremes.push(ext);
         let mut interval = Field::new(coarse.expand(padding(levels) >> (index + 1)));
         interval_next(&nodes[index], intervals[index].as_ref(), interval.window(), interval.data_mut());
-        // The filter eats one node a level: 2^l - 1 wide at first, half of it rounded down later.
-        let mut filtered = Field::new(coarse.nodes().expand(border as i32));
-        mip_into(&mip, filtered.window(), filtered.data_mut());
-        codes = Some(centres(&plane));
-        nodes.push(nodes[index].decimate());
         intervals.push(Some(interval));
-        (mip, extremes) = (filtered, Some(ext));
-        if sample > 0 {
-            // Nothing coarser looks at these again.
-            nodes[sample - 1] = Field::new(Window::new(0, 0, 0, 0));
-            intervals[sample - 1] = None;
-        }
+        let mut filtered = Field::new(coarse.nodes().expand(border));
+        mip_into(mips[index].as_ref().unwrap_or(&nodes[index]), filtered.window(), filtered.data_mut());
+        mips.push(Some(filtered));
+        nodes.push(nodes[index].decimate());
     }
     let top = shift(core, levels as usize);
-    let crop = |f: Option<Option<Field<Interval>>>| f.flatten().map(|f| f.crop(top));
-    let below = match (crop(intervals.pop()), extremes, codes) {
-        (Some(intervals), Some(extremes), Some(codes)) => Some(Below { intervals, extremes, centres: codes.crop(top) }),
+    let below = match (intervals.pop().flatten(), extremes.last(), centre_codes) {
+        (Some(intervals), Some(extremes), Some(codes)) => {
+            Some(Below { intervals: intervals.crop(top), extremes: extremes.clone(), centres: codes.crop(top) })
+        }
         _ => None,
     };
-    let nodes = nodes.pop().map_or_else(|| Field::new(top.nodes()), |n| n.crop(top.nodes()));
-    Block { levels: out, next: Base { level: first + levels, nodes, mip: mip.crop(top.nodes()), below } }
+    let next = Base {
+        level: first + levels,
+        nodes: nodes[levels as usize].crop(top.nodes()),
+        mip: mips[levels as usize].as_ref().map(|m| m.crop(top.nodes())),
+        below,
+    };
+    let planes = nodes.into_iter().zip(mips).zip(extremes.into_iter().zip(codes));
+    let levels = (first..).zip(planes).map(|(level, ((nodes, mip), (extremes, deviations)))| LevelPlanes {
+        level,
+        nodes,
+        mip,
+        extremes,
+        deviations,
+    });
+    Block { levels: levels.collect(), next }
 }
 
 /// A window of base-level cells, in cells `levels` levels up.

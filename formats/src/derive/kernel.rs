@@ -76,21 +76,21 @@ impl Scratch {
     }
 }
 
-/// Fills `out` for the cells (x0.., y) of level k + 1, as many as `out` has, from nodes of level
-/// g = k - `span` and, for g > 0, the intervals of its cells.
-pub(super) fn cell_row(
+/// Fills entries `first..first + cells` of `out` for the cells (x0.., y) of level k + 1 from nodes
+/// of level g = k - `span` and, for g > 0, the intervals of its cells.
+pub(super) fn general_row(
     nodes: &Field<i32>,
     intervals: Option<&Field<Interval>>,
     span: u32,
     (x0, y): (i32, i32),
+    (first, cells): (usize, usize),
     scratch: &mut Scratch,
     out: &mut CellRow,
 ) {
     let size = 2usize << span;
-    let cells = out.centre.len();
-    for first in (0..cells).step_by(LANES) {
-        let count = LANES.min(cells - first);
-        let x = x0 + first as i32;
+    for done in (0..cells).step_by(LANES) {
+        let count = LANES.min(cells - done);
+        let x = x0 + done as i32;
         let (gx, gy) = (x << (span + 1), y << (span + 1));
         for (r, row) in (gy..).zip(&mut scratch.nodes[..=size]) {
             spread(nodes.row(r, gx, count * size + 1), size, row);
@@ -101,7 +101,7 @@ pub(super) fn cell_row(
             }
         }
         let run = run(scratch, size / 2, (x ^ y) & 1, intervals.is_some());
-        let range = first..first + count;
+        let range = first + done..first + done + count;
         for (target, values) in
             [&mut out.centre, &mut out.south, &mut out.north, &mut out.west, &mut out.east].into_iter().zip(&run)
         {

@@ -19,10 +19,12 @@ pub mod code;
 pub mod deviation;
 pub mod extremes;
 pub mod field;
+mod finest;
 pub mod interval;
 mod kernel;
 pub mod local;
 pub mod mip;
+mod parted;
 
 #[cfg(test)]
 mod oracle;
