@@ -5,10 +5,11 @@
 //! neighbours (wrapped at the seam, mirrored over the poles, or the edge repeated). A first stage
 //! starts from level 0; a second one starts at the level where the first ended, from its summaries.
 
-use super::deviation::{Sources, centres, deviations, sample_level};
+use super::deviation::{CellDistances, Sources, cell_distances, centres, deviations};
 use super::extremes::{Extremes, extremes_from_nodes, extremes_next};
 use super::field::{Field, Window};
 use super::interval::{Interval, interval_next};
+use super::kernel::SPAN;
 use super::mip::mip_into;
 
 /// What is known at the level where a stage starts, and what a stage hands on. All windows but
@@ -34,6 +35,11 @@ pub struct Below {
     pub extremes: Field<Extremes>,
     /// Deviation codes of level - 1 at the centres of the level's cells.
     pub centres: Field<u8>,
+    /// Distances of levels `level`, `level` + 1, ..., one entry for each cell of the level above
+    /// it. Three, if the stage below could have them (its core divides by 2^(levels + 3));
+    /// without them the nodes of `level` must do, and the bounds are up to twice too high. Entries
+    /// outside a map that does not wrap may be 0.
+    pub distances: Vec<Field<CellDistances>>,
 }
 
 /// The planes of one level over a block's core. All but `extremes` reach beyond it, into what is
@@ -82,9 +88,9 @@ pub fn derive_block(base: Base, core: Window, levels: u32) -> Block {
         "core {core:?} is not made of whole cells {levels} levels up"
     );
     let first = base.level;
-    let (mut intervals, lowest, mut centre_codes) = match base.below {
-        Some(below) => (vec![Some(below.intervals)], Some(below.extremes), Some(below.centres)),
-        None => (vec![None], None, None),
+    let (mut intervals, lowest, mut centre_codes, known) = match base.below {
+        Some(below) => (vec![Some(below.intervals)], Some(below.extremes), Some(below.centres), below.distances),
+        None => (vec![None], None, None, Vec::new()),
     };
     let mut nodes = vec![base.nodes];
     let mut mips = vec![base.mip];
@@ -95,13 +101,7 @@ pub fn derive_block(base: Base, core: Window, levels: u32) -> Block {
         // Each level's codes are the children of the next one's on a border of one cell more; the
         // filter, too, eats one node a level.
         let border = (1 << (levels as usize - 1 - index)) - 1;
-        let sample = (sample_level(first + index as u32, first) - first) as usize;
-        let sources = Sources {
-            nodes: &nodes[sample],
-            intervals: intervals[sample].as_ref(),
-            children: centre_codes.as_ref(),
-            span: (index - sample) as u32,
-        };
+        let sources = sources(index, &nodes, &intervals, &known, centre_codes.as_ref());
         let plane = deviations(&sources, coarse.expand(border));
         centre_codes = Some(centres(&plane));
         codes.push(plane);
@@ -119,10 +119,16 @@ pub fn derive_block(base: Base, core: Window, levels: u32) -> Block {
         mips.push(Some(filtered));
         nodes.push(nodes[index].decimate());
     }
+    // The next stage has no finer nodes than its first level's: what those cannot show.
+    let whole = |up: usize| (core.x0 | core.y0 | core.nx as i32 | core.ny as i32).trailing_zeros() as usize >= up;
+    let handed = (levels as usize..).take(SPAN as usize).take_while(|&index| whole(index + 1)).map(|index| {
+        cell_distances(&sources(index, &nodes, &intervals, &known, None), shift(core, index + 1))
+    });
+    let handed = handed.collect();
     let top = shift(core, levels as usize);
     let below = match (intervals.pop().flatten(), extremes.last(), centre_codes) {
         (Some(intervals), Some(extremes), Some(codes)) => {
-            Some(Below { intervals: intervals.crop(top), extremes: extremes.clone(), centres: codes.crop(top) })
+            Some(Below { intervals: intervals.crop(top), extremes: extremes.clone(), centres: codes.crop(top), distances: handed })
         }
         _ => None,
     };
@@ -141,6 +147,24 @@ pub fn derive_block(base: Base, core: Window, levels: u32) -> Block {
         deviations,
     });
     Block { levels: levels.collect(), next }
+}
+
+/// Where the deviations of level base + `index` come from.
+fn sources<'a>(
+    index: usize,
+    nodes: &'a [Field<i32>],
+    intervals: &'a [Option<Field<Interval>>],
+    known: &'a [Field<CellDistances>],
+    children: Option<&'a Field<u8>>,
+) -> Sources<'a> {
+    let sample = index.saturating_sub(SPAN as usize);
+    Sources {
+        nodes: &nodes[sample],
+        intervals: intervals[sample].as_ref(),
+        children,
+        span: (index - sample) as u32,
+        distances: known.get(index),
+    }
 }
 
 /// A window of base-level cells, in cells `levels` levels up.

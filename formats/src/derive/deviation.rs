@@ -16,12 +16,7 @@ use super::finest::Rows;
 use super::interval::Interval;
 use super::kernel::{CellRow, SPAN, Scratch, general_row};
 
-/// The level whose nodes stand for S_0 in deviations of level `k`, where level `base` is the
-/// finest at hand.
-#[must_use]
-pub fn sample_level(k: u32, base: u32) -> u32 {
-    k.saturating_sub(SPAN).max(base)
-}
+pub use super::kernel::CellDistances;
 
 /// What the deviations of a level k are made from.
 #[derive(Clone, Copy)]
@@ -35,6 +30,44 @@ pub struct Sources<'a> {
     pub children: Option<&'a Field<u8>>,
     /// k - g, 0 to 3.
     pub span: u32,
+    /// The distances of level k worked out before, for each cell of level k + 1; then `nodes` and
+    /// `intervals` are not looked at.
+    pub distances: Option<&'a Field<CellDistances>>,
+}
+
+/// The distances of level k in each cell of `window`, cells of level k + 1, from what lies in the
+/// cells alone: a stage hands them on where the next one has too coarse nodes of its own.
+///
+/// # Panics
+/// When a source does not reach far enough.
+#[must_use]
+pub fn cell_distances(sources: &Sources<'_>, window: Window) -> Field<CellDistances> {
+    sources.check(window);
+    let mut out = Field::new(window);
+    let mut distances = Distances::new(sources, window, false);
+    let mut row = CellRow::new(window.nx + 2);
+    for (y, out) in (window.y0..).zip(out.data_mut().chunks_exact_mut(window.nx.max(1))) {
+        distances.fill(y, &mut row);
+        for (i, out) in (1..).zip(out) {
+            *out = row.get(i);
+        }
+    }
+    out
+}
+
+impl Sources<'_> {
+    /// Panics unless distances can be had for all of `cells`.
+    fn check(&self, cells: Window) {
+        if let Some(distances) = self.distances {
+            assert!(distances.window().contains(&cells), "distances are needed in {cells:?}");
+            return;
+        }
+        let up = self.span + 1;
+        let fine = Window::new(cells.x0 << up, cells.y0 << up, cells.nx << up, cells.ny << up);
+        assert!(self.span <= SPAN, "nodes at most {SPAN} levels below");
+        assert!(self.nodes.window().contains(&fine.nodes()), "the triangles reach the nodes of {fine:?}");
+        assert!(self.intervals.is_none_or(|f| f.window().contains(&fine)), "the triangles reach the cells {fine:?}");
+    }
 }
 
 /// Saturated codes of level k at the nodes of `cells` (cells of level k + 1): entry (i, j) of
@@ -45,16 +78,7 @@ pub struct Sources<'a> {
 /// # Panics
 /// When `out` has not the length of [`deviation_nodes`] or a source does not reach far enough.
 pub fn deviations_into(sources: &Sources<'_>, cells: Window, out: &mut [u8]) {
-    let ring = cells.expand(1);
-    let nodes = Window::new(
-        ring.x0 << (sources.span + 1),
-        ring.y0 << (sources.span + 1),
-        ring.nx << (sources.span + 1),
-        ring.ny << (sources.span + 1),
-    );
-    assert!(sources.span <= SPAN, "nodes at most {SPAN} levels below");
-    assert!(sources.nodes.window().contains(&nodes.nodes()), "the triangles reach the nodes {nodes:?}");
-    assert!(sources.intervals.is_none_or(|f| f.window().contains(&nodes)), "the triangles reach the cells {nodes:?}");
+    sources.check(cells.expand(1));
     let touching = cells.finer_cells().expand(1);
     assert!(sources.children.is_none_or(|f| f.window().contains(&touching)), "the children lie in {touching:?}");
     assemble(sources, cells, true, out);
@@ -150,12 +174,14 @@ impl<'a> Distances<'a> {
 
     /// Row y of cells: entry 0 of `out` is the cell west of the window.
     fn fill(&mut self, y: i32, out: &mut CellRow) {
-        let Sources { nodes, intervals, span, .. } = *self.sources;
+        let Sources { nodes, intervals, span, distances, .. } = *self.sources;
         let Window { x0, nx, .. } = self.cells;
         let (corner, range) = if self.ring { ((x0 - 1, y), (0, nx + 2)) } else { ((x0, y), (1, nx)) };
         if !self.ring && !(self.cells.y0..self.cells.y1()).contains(&y) {
             out.north.fill(0);
             out.south.fill(0);
+        } else if let Some(distances) = distances {
+            out.set(range.0, distances.row(y, corner.0, range.1));
         } else if span == 0 && intervals.is_none() {
             self.finest.cell_row(nodes, corner, range, out);
         } else {

@@ -28,7 +28,16 @@ const N: usize = 1 << SPAN;
 
 type Lanes = [i32; LANES];
 
-/// The largest distances of a row of cells of level k + 1, in sixteenths of a unit, not saturated.
+/// The largest distances in one cell of level k + 1, in sixteenths of a unit, not saturated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CellDistances {
+    /// Over the two triangles that share the cell's diagonal.
+    pub centre: i32,
+    /// Over the triangles on the southern, northern, western, eastern side, apex at the centre.
+    pub sides: [i32; 4],
+}
+
+/// [`CellDistances`] of a row of cells, an array for each.
 pub(super) struct CellRow {
     /// Over the two triangles that share the cell's diagonal.
     pub centre: Vec<i32>,
@@ -46,6 +55,19 @@ impl CellRow {
     pub(super) fn new(cells: usize) -> Self {
         let zeros = vec![0; cells];
         Self { centre: zeros.clone(), south: zeros.clone(), north: zeros.clone(), west: zeros.clone(), east: zeros }
+    }
+
+    /// The cell at index i.
+    pub(super) fn get(&self, i: usize) -> CellDistances {
+        CellDistances { centre: self.centre[i], sides: [self.south[i], self.north[i], self.west[i], self.east[i]] }
+    }
+
+    /// Writes cells from index `first` on.
+    pub(super) fn set(&mut self, first: usize, cells: &[CellDistances]) {
+        for (i, cell) in (first..).zip(cells) {
+            self.centre[i] = cell.centre;
+            [self.south[i], self.north[i], self.west[i], self.east[i]] = cell.sides;
+        }
     }
 }
 

@@ -28,6 +28,8 @@ mod parted;
 
 #[cfg(test)]
 mod oracle;
+#[cfg(test)]
+mod tests;
 
 pub use block::{Base, Block, LevelPlanes, derive_block, padding};
 pub use code::{decode_deviation, encode_deviation};
