@@ -2,6 +2,7 @@
 
 pub mod error;
 pub mod gltf;
+pub mod picture;
 pub mod publish;
 pub mod resample;
 pub mod source;
