@@ -158,7 +158,14 @@ mod tests {
     fn the_legend_spans_the_colours() {
         let values = [0.0; 400];
         for (width, height) in [(40, 10), (2, 200), (1, 400)] {
-            let input = ColourMapInput { width, height, values: &values, map: ColourMap::Sequential, range: Some([0.0, 1.0]), legend: true };
+            let input = ColourMapInput {
+                width,
+                height,
+                values: &values,
+                map: ColourMap::Sequential,
+                range: Some([0.0, 1.0]),
+                legend: true,
+            };
             let (image, _) = colour_map(&input).unwrap();
             assert_eq!((image.height, image.pixels.len()), (height + 34, width * (height + 34)));
             let bar = &image.pixels[(height + BAR_TOP) * width..][..width];

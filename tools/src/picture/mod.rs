@@ -52,11 +52,14 @@ pub enum PictureError {
 }
 
 fn check_size(width: usize, height: usize, multiple: usize, values: usize) -> Result<(), PictureError> {
-    if width == 0 || height == 0 || multiple == 0 || width % multiple != 0 || height % multiple != 0 {
+    let fits = |side: usize| side > 0 && multiple > 0 && side.is_multiple_of(multiple);
+    if !fits(width) || !fits(height) {
         return Err(PictureError::Size { width, height, multiple });
     }
     match width.checked_mul(height) {
         Some(expected) if expected == values => Ok(()),
-        expected => Err(PictureError::Length { what: "raster", length: values, expected: expected.unwrap_or(usize::MAX) }),
+        expected => {
+            Err(PictureError::Length { what: "raster", length: values, expected: expected.unwrap_or(usize::MAX) })
+        }
     }
 }

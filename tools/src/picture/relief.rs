@@ -1,5 +1,7 @@
 //! Hypsometric tints under shading: the picture of a planet.
 
+use rayon::prelude::*;
+
 use super::colour::{Linear, from_srgb, mix, to_srgb};
 use super::field::Field;
 use super::shade::shade;
@@ -47,9 +49,9 @@ pub fn shaded_relief(input: &PictureInput<'_>) -> Result<RgbImage, PictureError>
     let painter = Painter { field, tints, light, supersample };
     let share = 1.0 / (supersample * supersample) as f32;
     let (columns, rows) = (width / supersample, height / supersample);
-    let mut pixels = Vec::with_capacity(columns * rows);
-    for row in 0..rows {
-        for column in 0..columns {
+    let mut pixels = vec![[0; 3]; columns * rows];
+    pixels.par_chunks_exact_mut(columns).enumerate().for_each(|(row, line)| {
+        for (column, pixel) in line.iter_mut().enumerate() {
             let mut sum = [0.0; 3];
             for y in row * supersample..(row + 1) * supersample {
                 for x in column * supersample..(column + 1) * supersample {
@@ -57,19 +59,15 @@ pub fn shaded_relief(input: &PictureInput<'_>) -> Result<RgbImage, PictureError>
                     sum = [sum[0] + colour[0], sum[1] + colour[1], sum[2] + colour[2]];
                 }
             }
-            pixels.push(to_srgb(sum.map(|c| c * share)));
+            *pixel = to_srgb(sum.map(|c| c * share));
         }
-    }
+    });
     Ok(RgbImage { width: columns, height: rows, pixels })
 }
 
-/// How far full light brightens and full shadow darkens: on land, at sea.
-const BRIGHTEN: [f32; 2] = [0.75, 0.38];
-const DARKEN: [f32; 2] = [1.15, 0.62];
-/// What shadows turn to: a cool dark, so that slopes differ in hue too.
-const SHADOW: [u8; 3] = [22, 26, 48];
-/// What lit slopes turn to.
-const SUN: [u8; 3] = [255, 250, 232];
+/// How far light and shadow reach: on land, at sea.
+const BRIGHTEN: [f32; 2] = [0.95, 0.38];
+const DARKEN: [f32; 2] = [1.45, 0.65];
 /// Share of light that water loses where it meets land.
 const SHORE: f32 = 0.45;
 const VOID: [[u8; 3]; 2] = [[186, 186, 184], [170, 170, 169]];
@@ -97,16 +95,30 @@ impl Painter<'_> {
         let light = self.light[at];
         if light < 0.0 {
             let share = (-light * DARKEN[usize::from(sea)]).min(0.9);
-            mix(colour, from_srgb(SHADOW), share)
+            mix(colour, self.tints.shadow, share)
         } else {
-            mix(colour, from_srgb(SUN), (light * BRIGHTEN[usize::from(sea)]).min(0.9))
+            // Mostly more of the same colour: a dark tint mixed with the sun's turns grey.
+            let share = light * BRIGHTEN[usize::from(sea)];
+            mix(colour.map(|c| c * (1.0 + 1.5 * share)), self.tints.sun, (0.5 * share).min(0.9))
         }
     }
 
     fn touches_land(&self, x: usize, y: usize) -> bool {
         let Field { width, height, values, wraps } = self.field;
-        let left = if x > 0 { x - 1 } else if wraps { width - 1 } else { x };
-        let right = if x + 1 < width { x + 1 } else if wraps { 0 } else { x };
+        let left = if x > 0 {
+            x - 1
+        } else if wraps {
+            width - 1
+        } else {
+            x
+        };
+        let right = if x + 1 < width {
+            x + 1
+        } else if wraps {
+            0
+        } else {
+            x
+        };
         let neighbours = [(left, y), (right, y), (x, y.saturating_sub(1)), (x, (y + 1).min(height - 1))];
         neighbours.iter().any(|&(x, y)| values[y * width + x] >= 0.0)
     }

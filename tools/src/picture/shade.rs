@@ -4,6 +4,8 @@
 //! Smoothed copies of the heights, each exaggerated to its own relief, keep ranges and basins
 //! legible where single slopes are too fine to see.
 
+use rayon::prelude::*;
+
 use super::field::{Field, percentiles};
 
 /// Azimuth from north in degrees and weight of each light; all stand 45 degrees high.
@@ -23,10 +25,10 @@ pub fn shade(
     cell_east_m: &[f64],
     cell_north_m: f64,
     pixel: usize,
-    kind: impl Fn(f32) -> bool,
+    kind: impl Fn(f32) -> bool + Sync,
 ) -> Vec<f32> {
-    let mut light = vec![0.0; field.values.len()];
-    for (radius, weight) in SCALES {
+    let lights = Lights::new();
+    let scales = SCALES.par_iter().map(|&(radius, weight)| {
         let smooth = field.smooth((radius * pixel as f32).round() as usize);
         let slopes = slopes(Field { values: &smooth, ..field }, cell_east_m, cell_north_m);
         let exaggeration = [false, true].map(|wanted| {
@@ -36,26 +38,35 @@ pub fn shade(
             let [typical] = percentiles(steepness, [GENTLE]).unwrap_or([1.0]);
             if typical > 0.0 { (1.0 / typical).min(MOST_EXAGGERATION) } else { 1.0 }
         });
-        for ((out, &[east, north]), &height_m) in light.iter_mut().zip(&slopes).zip(field.values) {
+        let lit = slopes.iter().zip(field.values).map(|(&[east, north], &height_m)| {
             let z = exaggeration[usize::from(kind(height_m))];
-            *out += weight * lit(east * z, north * z);
-        }
-    }
-    light
+            weight * lights.on(east * z, north * z)
+        });
+        lit.collect::<Vec<f32>>()
+    });
+    // Collected first: the sum must not depend on which scale is ready.
+    let scales: Vec<_> = scales.collect();
+    (0..field.values.len()).map(|k| scales.iter().map(|scale| scale[k]).sum()).collect()
 }
 
-/// Light on a slope (rise eastwards, rise northwards) less that on level ground.
-fn lit(east: f32, north: f32) -> f32 {
-    let high = std::f32::consts::FRAC_1_SQRT_2;
-    let length = (1.0 + east * east + north * north).sqrt();
-    let sum: f32 = LIGHTS
-        .iter()
-        .map(|&(azimuth_deg, weight)| {
+/// Directions towards the lights: east, north and weight of each.
+struct Lights([[f32; 3]; LIGHTS.len()]);
+
+impl Lights {
+    fn new() -> Self {
+        Self(LIGHTS.map(|(azimuth_deg, weight)| {
             let (sin, cos) = azimuth_deg.to_radians().sin_cos();
-            weight * (high * (1.0 - east * sin - north * cos) / length).max(0.0)
-        })
-        .sum();
-    sum - high
+            [sin, cos, weight]
+        }))
+    }
+
+    /// Light on a slope (rise eastwards, rise northwards) less that on level ground.
+    fn on(&self, east: f32, north: f32) -> f32 {
+        let high = std::f32::consts::FRAC_1_SQRT_2;
+        let scale = high / (1.0 + east * east + north * north).sqrt();
+        let each = |[sin, cos, weight]: [f32; 3]| weight * (scale * (1.0 - east * sin - north * cos)).max(0.0);
+        self.0.into_iter().map(each).sum::<f32>() - high
+    }
 }
 
 /// Rise eastwards and northwards by the kernel of Horn (1981); a void counts as level with the
@@ -64,9 +75,9 @@ fn slopes(field: Field<'_>, cell_east_m: &[f64], cell_north_m: f64) -> Vec<[f32;
     let Field { width, height, values, wraps } = field;
     let narrowest_m = cell_east_m.iter().copied().fold(0.0, f64::max) * 0.2;
     let mut slopes = Vec::with_capacity(values.len());
-    for y in 0..height {
+    for (y, &east_m) in cell_east_m.iter().enumerate() {
         let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| &values[y * width..(y + 1) * width]);
-        let per_east = (1.0 / (8.0 * cell_east_m[y].max(narrowest_m))) as f32;
+        let per_east = (1.0 / (8.0 * east_m.max(narrowest_m))) as f32;
         let per_north = (1.0 / (8.0 * cell_north_m)) as f32;
         for x in 0..width {
             let here = rows[1][x];
@@ -109,7 +120,8 @@ mod tests {
     fn what_faces_north_west_is_bright() {
         let light = |east, north| {
             let values = ramp(east, north);
-            shade(Field { width: 16, height: 16, values: &values, wraps: false }, &[1.0; 16], 1.0, 1, |_| false)[8 * 16 + 8]
+            shade(Field { width: 16, height: 16, values: &values, wraps: false }, &[1.0; 16], 1.0, 1, |_| false)
+                [8 * 16 + 8]
         };
         // Ground that rises to the south-east faces the north-west.
         assert!(light(1.0, -1.0) > 0.1 && light(-1.0, 1.0) < -0.2);

@@ -2,7 +2,7 @@
 
 use relief_formats::body::Body;
 
-use super::colour::{Linear, Ramp};
+use super::colour::{Linear, Ramp, from_srgb};
 use super::field::percentiles;
 
 /// Which family of tints suits the body.
@@ -46,70 +46,66 @@ const SEA: &[(f32, [u8; 3])] = &[
     (0.0, [180, 215, 230]),
 ];
 const LAND: &[(f32, [u8; 3])] = &[
-    (0.0, [84, 126, 82]),
-    (120.0, [106, 146, 92]),
-    (350.0, [148, 172, 110]),
-    (700.0, [189, 194, 135]),
-    (1_200.0, [206, 186, 132]),
-    (2_000.0, [189, 150, 104]),
-    (3_000.0, [160, 119, 90]),
+    (0.0, [88, 126, 88]),
+    (120.0, [112, 146, 100]),
+    (350.0, [152, 172, 119]),
+    (700.0, [190, 194, 142]),
+    (1_200.0, [207, 187, 136]),
+    (2_000.0, [189, 150, 106]),
+    (3_000.0, [158, 118, 91]),
     (4_200.0, [170, 146, 131]),
     (5_200.0, [214, 206, 200]),
     (6_500.0, [248, 247, 246]),
 ];
-const MOON: &[(f32, [u8; 3])] =
-    &[(0.0, [48, 47, 48]), (0.25, [88, 85, 82]), (0.5, [128, 123, 116]), (0.8, [182, 175, 164]), (1.0, [232, 226, 214])];
-const MARS: &[(f32, [u8; 3])] = &[
-    (0.0, [58, 27, 25]),
-    (0.2, [104, 46, 31]),
-    (0.45, [160, 82, 46]),
-    (0.7, [201, 130, 80]),
-    (0.9, [228, 182, 136]),
-    (1.0, [246, 229, 207]),
-];
-const OTHER: &[(f32, [u8; 3])] = &[
-    (0.0, [38, 34, 84]),
-    (0.25, [45, 84, 128]),
-    (0.5, [62, 137, 132]),
-    (0.75, [149, 182, 113]),
-    (1.0, [244, 226, 170]),
-];
+const MOON: &[[u8; 3]] = &[[44, 43, 44], [86, 83, 80], [128, 123, 116], [178, 171, 160], [236, 230, 218]];
+const MARS: &[[u8; 3]] =
+    &[[58, 27, 25], [104, 46, 31], [150, 72, 42], [186, 108, 64], [216, 156, 106], [246, 229, 207]];
+const OTHER: &[[u8; 3]] = &[[38, 34, 84], [45, 84, 128], [62, 137, 132], [149, 182, 113], [244, 226, 170]];
 
 /// Colours for the heights of one raster.
 pub struct Tints {
     sea: Option<Ramp>,
     land: Ramp,
-    /// Position on `land` = (height - offset) scale.
-    offset_m: f32,
-    scale: f32,
+    /// What slopes in shadow and in light turn to.
+    pub shadow: Linear,
+    /// See `shadow`.
+    pub sun: Linear,
 }
 
 impl Tints {
-    /// The Earth's tints are absolute where there is a shoreline to show; a raster all above the
-    /// sea spreads the land tints over its own range, as the other bodies do.
+    /// The Earth's tints are absolute where there is a shoreline to show; a raster that lies all
+    /// above or all below the sea spreads them over its own range, as the other bodies do.
     pub fn new(tint: Tint, heights_m: &[f32]) -> Self {
         let [low, high] = percentiles(heights_m.iter().copied(), [0.002, 0.998]).unwrap_or([0.0, 1.0]);
-        let minimum = heights_m.iter().copied().fold(f32::INFINITY, f32::min);
-        let spread = |stops: &[(f32, [u8; 3])], span: f32| Self {
-            sea: None,
-            land: Ramp::new(stops),
-            offset_m: low,
-            scale: span / (high - low).max(f32::MIN_POSITIVE),
+        let spread = |colours: &[[u8; 3]]| {
+            let step = (high - low).max(1e-3) / (colours.len() - 1) as f32;
+            Ramp::new(&colours.iter().enumerate().map(|(k, &c)| (low + step * k as f32, c)).collect::<Vec<_>>())
         };
-        match tint {
-            Tint::Earth if minimum >= 0.0 => spread(LAND, 5_200.0),
-            Tint::Earth => Self { sea: Some(Ramp::new(SEA)), land: Ramp::new(LAND), offset_m: 0.0, scale: 1.0 },
-            Tint::Moon => spread(MOON, 1.0),
-            Tint::Mars => spread(MARS, 1.0),
-            Tint::Other => spread(OTHER, 1.0),
-        }
+        let spread_stops = |stops: &[(f32, [u8; 3])]| spread(&stops.iter().map(|stop| stop.1).collect::<Vec<_>>());
+        let dry = !heights_m.iter().any(|&h| h < 0.0);
+        let drowned = !heights_m.iter().any(|&h| h >= 0.0);
+        let (sea, land) = match tint {
+            Tint::Earth if dry => (None, spread_stops(LAND)),
+            Tint::Earth if drowned => (Some(spread_stops(SEA)), Ramp::new(LAND)),
+            Tint::Earth => (Some(Ramp::new(SEA)), Ramp::new(LAND)),
+            Tint::Moon => (None, spread(MOON)),
+            Tint::Mars => (None, spread(MARS)),
+            Tint::Other => (None, spread(OTHER)),
+        };
+        let (shadow, sun) = match tint {
+            Tint::Earth => ([22, 26, 46], [255, 250, 232]),
+            Tint::Moon => ([10, 10, 13], [255, 251, 242]),
+            Tint::Mars => ([34, 8, 12], [255, 232, 206]),
+            Tint::Other => ([18, 16, 46], [255, 250, 226]),
+        };
+        Self { sea, land, shadow: from_srgb(shadow), sun: from_srgb(sun) }
     }
 
     /// The tint of a height.
     pub fn at(&self, height_m: f32) -> Linear {
         match &self.sea {
             Some(sea) if height_m < 0.0 => sea.at(height_m),
-            _ => self.land.at((height_m - self.offset_m) * self.scale),
+            _ => self.land.at(height_m),
         }
     }
 
@@ -139,6 +135,13 @@ mod tests {
         let tints = Tints::new(Tint::Earth, &heights);
         assert_eq!(to_srgb(tints.at(1500.0)), LAND[0].1);
         assert!(to_srgb(tints.at(2499.0)).iter().all(|&c| c > 190));
+    }
+
+    #[test]
+    fn a_sea_floor_alone_spreads_over_its_range() {
+        let tints = Tints::new(Tint::Earth, &[-80.0, f32::NAN, -20.0]);
+        assert_eq!(to_srgb(tints.at(-80.0)), SEA[0].1);
+        assert!(to_srgb(tints.at(-20.0)).iter().zip(SEA[8].1).all(|(&a, b)| a.abs_diff(b) <= 1));
     }
 
     #[test]
