@@ -7,10 +7,12 @@ use multiversion::multiversion;
 
 use super::code::MAX_SIXTEENTHS;
 use super::field::{Field, Window};
+use super::interval_wide::wide;
+use super::kernel::SPAN;
 use super::parted::Parted;
 
 /// Bounds of S_0 - S_k over a cell of level k, in sixteenths of a height unit (there they are
-/// exact integers: S_{k-1} - S_k takes halves and quarters).
+/// exact integers from level to level: S_{k-1} - S_k takes halves and quarters).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Interval {
     /// Lower bound, at most 0: both surfaces share the cell's corners.
@@ -19,20 +21,32 @@ pub struct Interval {
     pub hi: i32,
 }
 
-/// I_k for each cell of `window`, cells of level k, from nodes and intervals of level k - 1
-/// (`None`: level 0, whose intervals are all 0). On each of the four finer cells S_{k-1} - S_k is
-/// bilinear, so its extremes are those of the corners, and S_0 - S_{k-1} adds its own.
+/// I_k for each cell of `window`, cells of level k, from nodes and intervals of level k - `span`
+/// (`None`: level 0, whose intervals are all 0). On each of the finer cells the two levels' surfaces
+/// differ by a bilinear function, so by no more than at the corners, and S_0 adds the finer
+/// interval. Rounded outwards to whole sixteenths.
 ///
 /// # Panics
-/// When `out` has not the window's length or a finer node or cell is missing.
-pub fn interval_next(nodes: &Field<i32>, finer: Option<&Field<Interval>>, window: Window, out: &mut [Interval]) {
+/// When `span` is not 1 to 3, `out` has not the window's length, or a finer node or cell is
+/// missing.
+pub fn intervals_into(
+    nodes: &Field<i32>,
+    finer: Option<&Field<Interval>>,
+    span: u32,
+    window: Window,
+    out: &mut [Interval],
+) {
+    assert!((1..=SPAN).contains(&span), "nodes 1 to {SPAN} levels below");
     assert_eq!(out.len(), window.len(), "one value for each cell");
     if window.is_empty() {
         return;
     }
-    let need = window.finer_cells();
+    let need = Window::new(window.x0 << span, window.y0 << span, window.nx << span, window.ny << span);
     assert!(nodes.window().contains(&need.nodes()), "the nodes of the cells are {:?}", need.nodes());
     assert!(finer.is_none_or(|f| f.window().contains(&need)), "the finer cells are {need:?}");
+    if span > 1 {
+        return wide(nodes, finer, span, window, out);
+    }
     let mut rows = [Parted::default(), Parted::default(), Parted::default()];
     let zeros = vec![Interval::default(); need.nx];
     for (j, out) in (0..).zip(out.chunks_exact_mut(window.nx)) {

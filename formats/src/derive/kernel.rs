@@ -20,13 +20,13 @@ use super::field::Field;
 use super::interval::Interval;
 
 /// Cells worked on at once: the arrays' innermost index, so that a compiler vectorises over it.
-const LANES: usize = 16;
+pub(super) const LANES: usize = 16;
 /// Levels between the nodes that are looked at and the level of a deviation, at most.
 pub(super) const SPAN: u32 = 3;
 /// n at most.
-const N: usize = 1 << SPAN;
+pub(super) const N: usize = 1 << SPAN;
 
-type Lanes = [i32; LANES];
+pub(super) type Lanes = [i32; LANES];
 
 /// The largest distances in one cell of level k + 1, in sixteenths of a unit, not saturated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,15 +74,15 @@ impl CellRow {
 /// The arrays of one run of [`LANES`] cells, reused from run to run.
 pub(super) struct Scratch {
     /// Node heights, [row][column][cell].
-    nodes: Box<[[Lanes; 2 * N + 1]; 2 * N + 1]>,
+    pub(super) nodes: Box<[[Lanes; 2 * N + 1]; 2 * N + 1]>,
     /// Lower bounds of S_0 - S_g, [row][column][cell].
-    lo: Box<[[Lanes; 2 * N]; 2 * N]>,
+    pub(super) lo: Box<[[Lanes; 2 * N]; 2 * N]>,
     /// Upper bounds.
-    hi: Box<[[Lanes; 2 * N]; 2 * N]>,
+    pub(super) hi: Box<[[Lanes; 2 * N]; 2 * N]>,
     /// One quadrant's 16 (S_g - T) at its nodes, for the sides' mesh.
-    side: Box<[[Lanes; N + 1]; N + 1]>,
+    pub(super) side: Box<[[Lanes; N + 1]; N + 1]>,
     /// The same for the centre's mesh.
-    centre: Box<[[Lanes; N + 1]; N + 1]>,
+    pub(super) centre: Box<[[Lanes; N + 1]; N + 1]>,
 }
 
 impl Scratch {
@@ -135,7 +135,7 @@ pub(super) fn general_row(
 /// Deals a row of `size` columns a cell out to the cells' lanes; lanes without a cell keep what
 /// they had, and nobody reads their results.
 #[inline]
-fn spread(row: &[i32], size: usize, out: &mut [Lanes; 2 * N + 1]) {
+pub(super) fn spread(row: &[i32], size: usize, out: &mut [Lanes; 2 * N + 1]) {
     for (lane, cell) in row.windows(size + 1).step_by(size).enumerate() {
         for (column, &h) in out.iter_mut().zip(cell) {
             column[lane] = h;
@@ -144,7 +144,7 @@ fn spread(row: &[i32], size: usize, out: &mut [Lanes; 2 * N + 1]) {
 }
 
 #[inline]
-fn spread_intervals(row: &[Interval], size: usize, lo: &mut [Lanes; 2 * N], hi: &mut [Lanes; 2 * N]) {
+pub(super) fn spread_intervals(row: &[Interval], size: usize, lo: &mut [Lanes; 2 * N], hi: &mut [Lanes; 2 * N]) {
     for (lane, cell) in row.chunks_exact(size).enumerate() {
         for ((lo, hi), interval) in lo.iter_mut().zip(hi.iter_mut()).zip(cell) {
             lo[lane] = interval.lo;
@@ -226,7 +226,7 @@ struct Maxima {
 /// Centre, south, north, west, east of each lane's cell.
 #[multiversion(targets("x86_64+avx2"))]
 fn run(scratch: &mut Scratch, n: usize, parity: i32, has_intervals: bool) -> [Lanes; 5] {
-    let mut out = [[0; LANES]; 5];
+    let mut maxima = [[0; LANES]; 5];
     for (east, north) in [(false, false), (true, false), (false, true), (true, true)] {
         let quadrant = Quadrant::new(&scratch.nodes, n, parity, east, north);
         let mut max = Maxima { v1: [0; LANES], v2: [0; LANES], centre: [0; LANES] };
@@ -238,18 +238,13 @@ fn run(scratch: &mut Scratch, n: usize, parity: i32, has_intervals: bool) -> [La
         }
         twists(scratch, n, &quadrant, has_intervals, &mut max);
         let (side1, side2) = (1 + usize::from(north), 3 + usize::from(east));
-        for l in 0..LANES {
-            out[0][l] = out[0][l].max(max.centre[l]);
-            out[side1][l] = out[side1][l].max(max.v1[l]);
-            out[side2][l] = out[side2][l].max(max.v2[l]);
+        for (out, max) in [(0, &max.centre), (side1, &max.v1), (side2, &max.v2)] {
+            for (out, max) in maxima[out].iter_mut().zip(max) {
+                *out = (*out).max(*max);
+            }
         }
     }
-    for values in &mut out {
-        for v in values {
-            *v = (*v).min(MAX_SIXTEENTHS);
-        }
-    }
-    out
+    maxima.map(|values| values.map(|v| v.min(MAX_SIXTEENTHS)))
 }
 
 /// 16 (S_g - T) at the quadrant's nodes, for both meshes.
@@ -272,8 +267,8 @@ fn residuals(scratch: &mut Scratch, n: usize, q: &Quadrant) {
                 lift[l] += q.step_centre[l] & rising;
             }
         }
-        for l in 0..LANES {
-            start[l] += q.step_w[l];
+        for (start, step) in start.iter_mut().zip(&q.step_w) {
+            *start += step;
         }
     }
 }
@@ -306,7 +301,8 @@ fn with_intervals(scratch: &Scratch, n: usize, q: &Quadrant, max: &mut Maxima) {
             let (lo, hi) = (&scratch.lo[y][x], &scratch.hi[y][x]);
             let (on1, on2) = (-i32::from(u >= w), -i32::from(u <= w));
             let whole = i32::from(u == w) - 1;
-            let s = [&scratch.side[w][u], &scratch.side[w][u + 1], &scratch.side[w + 1][u], &scratch.side[w + 1][u + 1]];
+            let s =
+                [&scratch.side[w][u], &scratch.side[w][u + 1], &scratch.side[w + 1][u], &scratch.side[w + 1][u + 1]];
             let c = [
                 &scratch.centre[w][u],
                 &scratch.centre[w][u + 1],
