@@ -9,7 +9,7 @@ use super::deviation::{CellDistances, Sources, cell_distances, centres, deviatio
 use super::extremes::{Extremes, extremes_from_nodes, extremes_next};
 use super::field::{Field, Window};
 use super::interval::{Interval, intervals_into};
-use super::kernel::SPAN;
+use super::lanes::SPAN;
 use super::mip::mip_into;
 
 /// What is known at the level where a stage starts, and what a stage hands on. All windows but

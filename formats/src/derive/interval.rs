@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use super::code::MAX_SIXTEENTHS;
 use super::field::{Field, Window};
 use super::interval_wide::wide;
-use super::kernel::SPAN;
+use super::lanes::SPAN;
 use super::parted::Parted;
 
 /// Bounds of S_0 - S_k over a cell of level k, in sixteenths of a height unit (there they are

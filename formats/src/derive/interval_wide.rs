@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use super::code::MAX_SIXTEENTHS;
 use super::field::{Field, Window};
 use super::interval::Interval;
-use super::kernel::{LANES, Lanes, N, Scratch, spread, spread_intervals};
+use super::lanes::{LANES, Lanes, N, Scratch, spread, spread_intervals};
 
 /// I_k for each cell of `window`, from nodes and intervals of level k - `span`.
 pub(super) fn wide(

@@ -16,87 +16,10 @@
 use multiversion::multiversion;
 
 use super::code::MAX_SIXTEENTHS;
+use super::distances::CellRow;
 use super::field::Field;
 use super::interval::Interval;
-
-/// Cells worked on at once: the arrays' innermost index, so that a compiler vectorises over it.
-pub(super) const LANES: usize = 16;
-/// Levels between the nodes that are looked at and the level of a deviation, at most.
-pub(super) const SPAN: u32 = 3;
-/// n at most.
-pub(super) const N: usize = 1 << SPAN;
-
-pub(super) type Lanes = [i32; LANES];
-
-/// The largest distances in one cell of level k + 1, in sixteenths of a unit, not saturated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct CellDistances {
-    /// Over the two triangles that share the cell's diagonal.
-    pub centre: i32,
-    /// Over the triangles on the southern, northern, western, eastern side, apex at the centre.
-    pub sides: [i32; 4],
-}
-
-/// [`CellDistances`] of a row of cells, an array for each.
-pub(super) struct CellRow {
-    /// Over the two triangles that share the cell's diagonal.
-    pub centre: Vec<i32>,
-    /// Over the triangle on the cell's southern side, apex at its centre.
-    pub south: Vec<i32>,
-    /// The same on the northern side.
-    pub north: Vec<i32>,
-    /// The same on the western side.
-    pub west: Vec<i32>,
-    /// The same on the eastern side.
-    pub east: Vec<i32>,
-}
-
-impl CellRow {
-    pub(super) fn new(cells: usize) -> Self {
-        let zeros = vec![0; cells];
-        Self { centre: zeros.clone(), south: zeros.clone(), north: zeros.clone(), west: zeros.clone(), east: zeros }
-    }
-
-    /// The cell at index i.
-    pub(super) fn get(&self, i: usize) -> CellDistances {
-        CellDistances { centre: self.centre[i], sides: [self.south[i], self.north[i], self.west[i], self.east[i]] }
-    }
-
-    /// Writes cells from index `first` on.
-    pub(super) fn set(&mut self, first: usize, cells: &[CellDistances]) {
-        for (i, cell) in (first..).zip(cells) {
-            self.centre[i] = cell.centre;
-            [self.south[i], self.north[i], self.west[i], self.east[i]] = cell.sides;
-        }
-    }
-}
-
-/// The arrays of one run of [`LANES`] cells, reused from run to run.
-pub(super) struct Scratch {
-    /// Node heights, [row][column][cell].
-    pub(super) nodes: Box<[[Lanes; 2 * N + 1]; 2 * N + 1]>,
-    /// Lower bounds of S_0 - S_g, [row][column][cell].
-    pub(super) lo: Box<[[Lanes; 2 * N]; 2 * N]>,
-    /// Upper bounds.
-    pub(super) hi: Box<[[Lanes; 2 * N]; 2 * N]>,
-    /// One quadrant's 16 (S_g - T) at its nodes, for the sides' mesh.
-    pub(super) side: Box<[[Lanes; N + 1]; N + 1]>,
-    /// The same for the centre's mesh.
-    pub(super) centre: Box<[[Lanes; N + 1]; N + 1]>,
-}
-
-impl Scratch {
-    pub(super) fn new() -> Self {
-        let zero = [0; LANES];
-        Self {
-            nodes: Box::new([[zero; 2 * N + 1]; 2 * N + 1]),
-            lo: Box::new([[zero; 2 * N]; 2 * N]),
-            hi: Box::new([[zero; 2 * N]; 2 * N]),
-            side: Box::new([[zero; N + 1]; N + 1]),
-            centre: Box::new([[zero; N + 1]; N + 1]),
-        }
-    }
-}
+use super::lanes::{LANES, Lanes, N, Scratch, spread, spread_intervals};
 
 /// Fills entries `first..first + cells` of `out` for the cells (x0.., y) of level k + 1 from nodes
 /// of level g = k - `span` and, for g > 0, the intervals of its cells.
@@ -128,27 +51,6 @@ pub(super) fn general_row(
             [&mut out.centre, &mut out.south, &mut out.north, &mut out.west, &mut out.east].into_iter().zip(&run)
         {
             target[range.clone()].copy_from_slice(&values[..count]);
-        }
-    }
-}
-
-/// Deals a row of `size` columns a cell out to the cells' lanes; lanes without a cell keep what
-/// they had, and nobody reads their results.
-#[inline]
-pub(super) fn spread(row: &[i32], size: usize, out: &mut [Lanes; 2 * N + 1]) {
-    for (lane, cell) in row.windows(size + 1).step_by(size).enumerate() {
-        for (column, &h) in out.iter_mut().zip(cell) {
-            column[lane] = h;
-        }
-    }
-}
-
-#[inline]
-pub(super) fn spread_intervals(row: &[Interval], size: usize, lo: &mut [Lanes; 2 * N], hi: &mut [Lanes; 2 * N]) {
-    for (lane, cell) in row.chunks_exact(size).enumerate() {
-        for ((lo, hi), interval) in lo.iter_mut().zip(hi.iter_mut()).zip(cell) {
-            lo[lane] = interval.lo;
-            hi[lane] = interval.hi;
         }
     }
 }

@@ -17,12 +17,14 @@
 pub mod block;
 pub mod code;
 pub mod deviation;
+mod distances;
 pub mod extremes;
 pub mod field;
 mod finest;
 pub mod interval;
 mod interval_wide;
 mod kernel;
+mod lanes;
 pub mod local;
 pub mod mip;
 mod parted;
