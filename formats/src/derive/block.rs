@@ -37,8 +37,8 @@ pub struct Below {
     pub centres: Field<u8>,
     /// Distances of levels `level`, `level` + 1, ..., one entry for each cell of the level above
     /// it. Three, if the stage below could have them (its core divides by 2^(levels + 3));
-    /// without them the nodes of `level` must do, and the bounds are up to twice too high. Entries
-    /// outside a map that does not wrap may be 0.
+    /// without them the nodes of `level` must do, and the bounds are looser. Entries outside the map
+    /// may be 0, as may those of `intervals` and `centres`.
     pub distances: Vec<Field<CellDistances>>,
 }
 

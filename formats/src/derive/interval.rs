@@ -11,7 +11,7 @@ use super::interval_wide::wide;
 use super::lanes::SPAN;
 use super::parted::Parted;
 
-/// Bounds of S_0 - S_k over a cell of level k, in sixteenths of a height unit (there they are
+/// Bounds of S_0 and of S_0 - S_k over a cell of level k, the latter in sixteenths of a height unit (there they are
 /// exact integers from level to level: S_{k-1} - S_k takes halves and quarters).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Interval {
@@ -19,6 +19,15 @@ pub struct Interval {
     pub lo: i32,
     /// Upper bound, at least 0.
     pub hi: i32,
+    /// The least height of S_0 in the cell, in height units.
+    pub min: i32,
+    /// The greatest.
+    pub max: i32,
+}
+
+impl Interval {
+    /// Adds nothing to a cell whose own nodes are looked at: a cell of level 0.
+    const NOTHING: Self = Self { lo: 0, hi: 0, min: i32::MAX, max: i32::MIN };
 }
 
 /// I_k for each cell of `window`, cells of level k, from nodes and intervals of level k - `span`
@@ -48,7 +57,7 @@ pub fn intervals_into(
         return wide(nodes, finer, span, window, out);
     }
     let mut rows = [Parted::default(), Parted::default(), Parted::default()];
-    let zeros = vec![Interval::default(); need.nx];
+    let zeros = vec![Interval::NOTHING; need.nx];
     for (j, out) in (0..).zip(out.chunks_exact_mut(window.nx)) {
         let y = need.y0 + 2 * j;
         rows.rotate_left(2);
@@ -75,6 +84,10 @@ fn cells(rows: &[Parted; 3], finer: [&[Interval]; 2], out: &mut [Interval]) {
         let north = 16 * h_n[i] - 8 * (h_nw[i] + h_ne[i]);
         let west = 16 * h_w[i] - 8 * (h_sw[i] + h_nw[i]);
         let east = 16 * h_e[i] - 8 * (h_se[i] + h_ne[i]);
+        let nine = [h_sw[i], h_s[i], h_se[i], h_w[i], h_c[i], h_e[i], h_nw[i], h_n[i], h_ne[i]];
+        let four = [below[0], below[1], above[0], above[1]];
+        let min = four.iter().map(|f| f.min).chain(nine).fold(i32::MAX, i32::min);
+        let max = four.iter().map(|f| f.max).chain(nine).fold(i32::MIN, i32::max);
         let (low, high) = (centre.min(0), centre.max(0));
         let lo = (below[0].lo + south.min(west).min(low))
             .min(below[1].lo + south.min(east).min(low))
@@ -86,6 +99,6 @@ fn cells(rows: &[Parted; 3], finer: [&[Interval]; 2], out: &mut [Interval]) {
             .max(above[1].hi + north.max(east).max(high));
         // Both surfaces stay within +-2^24 units, so a bound need never exceed their distance;
         // this also keeps sums of intervals and residuals within an i32.
-        *out = Interval { lo: lo.max(-MAX_SIXTEENTHS), hi: hi.min(MAX_SIXTEENTHS) };
+        *out = Interval { lo: lo.max(-MAX_SIXTEENTHS), hi: hi.min(MAX_SIXTEENTHS), min, max };
     }
 }

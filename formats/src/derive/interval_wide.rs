@@ -27,31 +27,43 @@ pub(super) fn wide(
                 spread(nodes.row(r, gx, out.len() * n + 1), n, row);
             }
             if let Some(finer) = finer {
-                for ((r, lo), hi) in (gy..).zip(&mut scratch.lo[..n]).zip(&mut scratch.hi[..n]) {
-                    spread_intervals(finer.row(r, gx, out.len() * n), n, lo, hi);
+                for r in 0..n {
+                    spread_intervals(finer.row(gy + r as i32, gx, out.len() * n), n, r, &mut scratch);
                 }
             }
-            let [lo, hi] = run(&mut scratch, n, finer.is_some());
-            for ((out, lo), hi) in out.iter_mut().zip(lo).zip(hi) {
-                *out = Interval { lo, hi };
+            let [lo, hi, min, max] = run(&mut scratch, n, finer.is_some());
+            for (l, out) in out.iter_mut().enumerate() {
+                *out = Interval { lo: lo[l], hi: hi[l], min: min[l], max: max[l] };
             }
         }
     }
 }
 
-/// Lower and upper bounds of each lane's cell.
+/// Bounds of each lane's cell, in the order of [`Interval`]'s fields.
 #[multiversion(targets("x86_64+avx2"))]
-fn run(scratch: &mut Scratch, n: usize, has_intervals: bool) -> [Lanes; 2] {
+fn run(scratch: &mut Scratch, n: usize, has_intervals: bool) -> [Lanes; 4] {
     let (mut lo, mut hi) = ([0; LANES], [0; LANES]);
     differences(scratch, n, &mut lo, &mut hi);
+    let (mut min, mut max) = (scratch.nodes[0][0], scratch.nodes[0][0]);
+    for h in scratch.nodes[..=n].iter().flat_map(|row| &row[..=n]) {
+        for l in 0..LANES {
+            (min[l], max[l]) = (min[l].min(h[l]), max[l].max(h[l]));
+        }
+    }
     if has_intervals {
         with_intervals(scratch, n, &mut lo, &mut hi);
+        for (w, u) in (0..n * n).map(|i| (i / n, i % n)) {
+            let (low, high) = (&scratch.min[w][u], &scratch.max[w][u]);
+            for l in 0..LANES {
+                (min[l], max[l]) = (min[l].min(low[l] >> 4), max[l].max(high[l] >> 4));
+            }
+        }
     }
     for l in 0..LANES {
         lo[l] = lo[l].max(-MAX_SIXTEENTHS);
         hi[l] = hi[l].min(MAX_SIXTEENTHS);
     }
-    [lo, hi]
+    [lo, hi, min, max]
 }
 
 /// 16 (S_g - S_k) at the nodes, rounded down into `side` and up into `centre`, and the extremes.
@@ -115,7 +127,7 @@ mod tests {
             let nodes = Field::from_fn(window.finer_cells().nodes(), |x, y| ((noise(x, y, seed) >> (64 - bits)) as i64 - low) as i32);
             let finer = Field::from_fn(window.finer_cells(), |x, y| {
                 let n = noise(x, y, !seed);
-                Interval { lo: -((n % 99) as i32), hi: (n >> 32) as i32 & 63 }
+                Interval { lo: -((n % 99) as i32), hi: (n >> 32) as i32 & 63, min: nodes.at(x, y) - 5, max: nodes.at(x, y) + 9 }
             });
             for finer in [None, Some(&finer)] {
                 let (mut a, mut b) = (vec![Interval::default(); window.len()], vec![Interval::default(); window.len()]);

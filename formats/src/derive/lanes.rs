@@ -19,6 +19,10 @@ pub(super) struct Scratch {
     pub(super) lo: Box<[[Lanes; 2 * N]; 2 * N]>,
     /// Upper bounds.
     pub(super) hi: Box<[[Lanes; 2 * N]; 2 * N]>,
+    /// Lower bounds of 16 S_0.
+    pub(super) min: Box<[[Lanes; 2 * N]; 2 * N]>,
+    /// Upper bounds.
+    pub(super) max: Box<[[Lanes; 2 * N]; 2 * N]>,
     /// One quadrant's 16 (S_g - T) at its nodes, for the sides' mesh.
     pub(super) side: Box<[[Lanes; N + 1]; N + 1]>,
     /// The same for the centre's mesh.
@@ -32,6 +36,8 @@ impl Scratch {
             nodes: Box::new([[zero; 2 * N + 1]; 2 * N + 1]),
             lo: Box::new([[zero; 2 * N]; 2 * N]),
             hi: Box::new([[zero; 2 * N]; 2 * N]),
+            min: Box::new([[zero; 2 * N]; 2 * N]),
+            max: Box::new([[zero; 2 * N]; 2 * N]),
             side: Box::new([[zero; N + 1]; N + 1]),
             centre: Box::new([[zero; N + 1]; N + 1]),
         }
@@ -49,12 +55,17 @@ pub(super) fn spread(row: &[i32], size: usize, out: &mut [Lanes; 2 * N + 1]) {
     }
 }
 
+/// The same for row r of `scratch`'s intervals.
 #[inline]
-pub(super) fn spread_intervals(row: &[Interval], size: usize, lo: &mut [Lanes; 2 * N], hi: &mut [Lanes; 2 * N]) {
+pub(super) fn spread_intervals(row: &[Interval], size: usize, r: usize, scratch: &mut Scratch) {
+    let (lo, hi) = (&mut scratch.lo[r], &mut scratch.hi[r]);
+    let (min, max) = (&mut scratch.min[r], &mut scratch.max[r]);
     for (lane, cell) in row.chunks_exact(size).enumerate() {
-        for ((lo, hi), interval) in lo.iter_mut().zip(hi.iter_mut()).zip(cell) {
-            lo[lane] = interval.lo;
-            hi[lane] = interval.hi;
+        for (u, interval) in cell.iter().enumerate() {
+            lo[u][lane] = interval.lo;
+            hi[u][lane] = interval.hi;
+            min[u][lane] = 16 * interval.min;
+            max[u][lane] = 16 * interval.max;
         }
     }
 }

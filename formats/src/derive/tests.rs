@@ -20,11 +20,11 @@ fn block(heights: &Heights) -> Block {
 
 #[test]
 fn bounds_hold_and_are_tight_on_terrain() {
-    for (rough, seed, most) in [(0.35, 1, 1.15), (0.5, 2, 1.15), (0.65, 3, 1.2), (0.9, 4, 1.3)] {
+    for (rough, seed) in [(0.35, 1), (0.5, 2), (0.65, 3), (0.9, 4)] {
         let ratios = judge(&terrain(CORE.expand(padding(5)).nodes(), rough, seed), CORE, 5);
         println!("roughness {rough}: mean of bound / truth, by level: {ratios:.3?}");
         for r in ratios {
-            assert!((1.0..most).contains(&r), "{r} at roughness {rough}");
+            assert!((1.0..1.15).contains(&r), "{r} at roughness {rough}");
         }
     }
 }
@@ -49,7 +49,7 @@ fn a_second_stage_bounds_too() {
         );
         let r = ratio(plane.level, &plane.deviations.crop(cells.nodes()), &mut truth);
         println!("level {}: mean of bound / truth {r:.3}", plane.level);
-        assert!((1.0..1.3).contains(&r), "{r}");
+        assert!((1.0..1.25).contains(&r), "{r}");
     }
     // All levels at once, with nodes three levels below instead of the base's, are no looser.
     let once = derive_block(Base { level: 0, nodes: heights.clone(), mip: None, below: None }, core, 8);
@@ -86,10 +86,7 @@ fn hard_heights_are_bounded() {
     for (name, shape) in shapes {
         let ratios = judge(&padded(|x, y| shape(x, y, big)), CORE, 5);
         println!("{name}: {ratios:.3?}");
-        // Nodes three levels below say little of full-scale white noise.
-        let (fine, coarse) = ratios.split_at(4);
-        assert!(fine.iter().all(|r| (1.0..1.2).contains(r)), "{name} {ratios:?}");
-        assert!(coarse.iter().all(|r| (1.0..2.0).contains(r)), "{name} {ratios:?}");
+        assert!(ratios.iter().all(|r| (1.0..1.15).contains(r)), "{name} {ratios:?}");
     }
 }
 
@@ -202,7 +199,11 @@ proptest! {
     fn intervals_hold_the_surface(seed: u64, rough in 0.2f64..0.95) {
         let heights = terrain(CORE.expand(padding(5)).nodes(), rough, seed);
         let top = block(&heights).next;
-        let (nodes, intervals) = (top.nodes, top.below.unwrap().intervals);
+        let below = top.below.unwrap();
+        let (nodes, intervals) = (top.nodes, below.intervals);
+        for (interval, extremes) in intervals.data().iter().zip(below.extremes.data()) {
+            prop_assert_eq!((interval.min, interval.max), (extremes.min, extremes.max));
+        }
         let bilinear = |f: &Heights, x: f64, y: f64| {
             let w = f.window();
             let (i, j) = ((x.floor() as i32).min(w.x1() - 2), (y.floor() as i32).min(w.y1() - 2));
