@@ -152,7 +152,10 @@ impl<'a> Handoffs<'a> {
         let rounding = 8 * self.level as i32;
         let intervals = Field::from_fn(core, |x, y| {
             let c = corners(x, y);
-            if c.iter().all(|&q| q == c[0]) { Interval::default() } else { Interval { lo: -rounding, hi: rounding } }
+            let range = |f: fn(i32, i32) -> i32| c.iter().copied().reduce(f).unwrap_or(c[0]);
+            let (min, max) = (range(i32::min), range(i32::max));
+            let rounding = if min == max { 0 } else { rounding };
+            Interval { lo: -rounding, hi: rounding, min, max }
         });
         let extremes = Field::from_fn(core, |x, y| {
             let c = corners(x, y);

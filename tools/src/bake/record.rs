@@ -53,7 +53,7 @@ pub fn encode(key: BlockKey, finished: &Finished) -> Vec<u8> {
     put_ints(&mut out, handoff.base.mip.as_ref().unwrap_or(&handoff.base.nodes), |&q| [q]);
     put_ints(&mut out, &handoff.filled, |&f| [i32::from(f)]);
     if let Some(below) = &handoff.base.below {
-        put_ints(&mut out, &below.intervals, |i| [i.lo, i.hi]);
+        put_ints(&mut out, &below.intervals, |i| [i.lo, i.hi, i.min, i.max]);
         put_ints(&mut out, &below.extremes, |e| [e.min, e.max]);
         put_ints(&mut out, &below.centres, |&c| [i32::from(c)]);
         for distances in &below.distances {
@@ -101,7 +101,7 @@ fn take_handoff(input: &mut &[u8]) -> Option<Handoff> {
     let nodes = take_ints(input, |[q]: [i32; 1]| q)?;
     let mip = take_ints(input, |[q]: [i32; 1]| q)?;
     let filled = take_ints(input, |[f]: [i32; 1]| f != 0)?;
-    let intervals = take_ints(input, |[lo, hi]: [i32; 2]| Interval { lo, hi })?;
+    let intervals = take_ints(input, |[lo, hi, min, max]: [i32; 4]| Interval { lo, hi, min, max })?;
     let extremes = take_ints(input, |[min, max]: [i32; 2]| Extremes { min, max })?;
     let centres = take_ints(input, |[c]: [i32; 1]| c as u8)?;
     let mut distances = Vec::new();

@@ -208,7 +208,7 @@ impl<'a> Baker<'a> {
         };
         let last = if grid.plane { w } else { 0 };
         let patch = mesh::patch_mesh(&self.composer.sources.body, &grid, self.options.layout);
-        let mesh = mesh::codec::encode_section(&patch);
+        let mesh = mesh::encode_section(&patch);
         let spec = FileSpec {
             body: &self.composer.sources.body,
             m: grid.m,
