@@ -150,6 +150,15 @@ impl Transformer<'_> {
 }
 
 impl Bounds {
+    /// Whether a rectangle may have data; a longitude span of 0 is a single meridian.
+    pub fn meet(&self, west_deg: f64, span_deg: f64, south_deg: f64, north_deg: f64) -> bool {
+        let ahead_deg = (west_deg - self.west_deg).rem_euclid(360.0);
+        let pole = south_deg <= -90.0 || north_deg >= 90.0;
+        south_deg <= self.north_deg
+            && north_deg >= self.south_deg
+            && (pole || self.span_deg >= 360.0 || ahead_deg <= self.span_deg || ahead_deg + span_deg >= 360.0)
+    }
+
     /// Whether a parallel may have data.
     pub fn has_latitude(&self, lat_deg: f64) -> bool {
         (self.south_deg..=self.north_deg).contains(&lat_deg)
