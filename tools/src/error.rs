@@ -41,7 +41,9 @@ pub enum ToolError {
         remedy: String,
     },
     /// The user pressed Ctrl-C or the process was asked to end.
-    #[error("interrupted\n  rule: no output is published before it is whole\n  remedy: run again with --resume to go on")]
+    #[error(
+        "interrupted\n  rule: no output is published before it is whole\n  remedy: run again with --resume to go on"
+    )]
     Interrupted,
 }
 

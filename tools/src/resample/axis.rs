@@ -129,7 +129,9 @@ impl Axis {
 
     /// Samples between which a mean may reach: all that exist, and those beyond a pole or a seam.
     pub fn reach(&self) -> [f64; 2] {
-        let end = |end: End, at: f64, beyond: f64| if end == End::Clamp && self.period.is_none() { at } else { beyond };
+        let end = |end: End, at: f64, beyond: f64| {
+            if end == End::Clamp && self.period.is_none() { at } else { beyond }
+        };
         [end(self.low, -0.5, f64::NEG_INFINITY), end(self.high, self.n as f64 - 0.5, f64::INFINITY)]
     }
 }

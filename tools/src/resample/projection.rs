@@ -120,7 +120,9 @@ impl Projection {
     /// # Errors
     /// As [`Projection::new`].
     pub fn transformer(&self) -> Result<Transformer<'_>, ToolError> {
-        let Some((nodes, own)) = &self.systems else { return Ok(Transformer { projection: self, transform: None }) };
+        let Some((nodes, own)) = &self.systems else {
+            return Ok(Transformer { projection: self, transform: None });
+        };
         let kept = TRANSFORMS.with_borrow(|kept| kept.get(&self.id).cloned());
         let transform = match kept {
             Some(transform) => transform,
@@ -244,7 +246,9 @@ fn bounds(
             let (fx, fy) = (i as f64 / SIDE as f64, j as f64 / SIDE as f64);
             let rim = i == 0 || j == 0 || i == SIDE || j == SIDE;
             if rim || (i % 8 == 0 && j % 8 == 0) {
-                let Some(point) = lon_lat(fx * w, fy * h) else { return everything };
+                let Some(point) = lon_lat(fx * w, fy * h) else {
+                    return everything;
+                };
                 points.push(point);
             }
         }

@@ -126,7 +126,9 @@ impl Source {
         let vs = (0..window.ny).map(|j| (lat(j).abs() < 90.0).then(|| rows.position(lat(j))).flatten());
         separable.sample(us, vs, heights_m)?;
         for j in (0..window.ny).filter(|j| lat(*j).abs() >= 90.0) {
-            let Some(v) = rows.position(lat(j)) else { continue };
+            let Some(v) = rows.position(lat(j)) else {
+                continue;
+            };
             let row = rows.stored(rows.home(v));
             let mean_m = match std::ptr::eq(raster, &self.raster) {
                 false => row_mean_m(raster, row, columns)?,
