@@ -7,3 +7,4 @@ pub mod picture;
 pub mod publish;
 pub mod resample;
 pub mod source;
+pub mod stdout;
