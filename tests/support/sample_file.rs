@@ -56,8 +56,13 @@ impl Sample {
             let (i, j) = on_map(grid, x, y);
             (self.q)(grid, i, j)
         });
-        let base = Base { level: 0, mip: nodes.clone(), nodes, below: None };
-        let planes = derive_block(base, core, levels).levels;
+        let base = Base { level: 0, mip: None, nodes, below: None };
+        let absent = |k: u32, x: i32, y: i32| {
+            let (i, j) = on_map(grid, x << k, y << k);
+            let j = j.min(grid.height(0) - 1);
+            (self.absent)(TileKey::new(k, (i >> k) / TILE_CELLS, (j >> k) / TILE_CELLS))
+        };
+        let planes = derive_block(base, core, levels, Some(&absent)).levels;
         let tiles: Vec<EncodedTile> = planes.iter().flat_map(|level| self.tiles(grid, &planes, level)).collect();
         let metadata = Metadata {
             body: self.body.clone(),
@@ -106,9 +111,10 @@ impl Sample {
             .map(|key| {
                 let nodes = window(key);
                 let half = Window::new(nodes.x0 / 2, nodes.y0 / 2, HALF, HALF);
+                let means = |level: &LevelPlanes, at| level.mip.as_ref().unwrap_or(&level.nodes).crop(at);
                 let parent_mean = planes
                     .get(k as usize + 1)
-                    .map(|parent| quarter(parent.mip.crop(window(key.parent())).data(), key.quadrant()));
+                    .map(|parent| quarter(means(parent, window(key.parent())).data(), key.quadrant()));
                 let filled: Vec<bool> = (nodes.y0..nodes.y1())
                     .flat_map(|y| (nodes.x0..nodes.x1()).map(move |x| on_map(grid, x << k, y << k)))
                     .map(|(i, j)| (self.filled)(i, j))
@@ -117,7 +123,7 @@ impl Sample {
                     key,
                     root: k == grid.root_level(),
                     nodes: level.nodes.crop(nodes).data(),
-                    mip: level.mip.crop(nodes).data(),
+                    mip: means(level, nodes).data(),
                     parent_mean: parent_mean.as_deref(),
                     extremes: level.extremes.crop(half).data(),
                     deviations: level.deviations.crop(nodes).data(),
