@@ -3,6 +3,7 @@
 pub mod commands;
 pub mod error;
 pub mod gltf;
+pub mod lattice;
 pub mod picture;
 pub mod publish;
 pub mod resample;
