@@ -1,6 +1,7 @@
 //! From elevation rasters to a validated `.relief` file: the library behind `relief-bake`.
 
 pub mod bake;
+pub mod cog;
 pub mod commands;
 pub mod error;
 pub mod gltf;
@@ -9,4 +10,5 @@ pub mod picture;
 pub mod publish;
 pub mod resample;
 pub mod source;
+pub mod staging;
 pub mod stdout;

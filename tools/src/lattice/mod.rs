@@ -92,6 +92,12 @@ impl<'a> Lattice<'a> {
         self.plane
     }
 
+    /// True when filled nodes read as void.
+    #[must_use]
+    pub fn shows_voids(&self) -> bool {
+        self.voids
+    }
+
     /// Distinct columns.
     #[must_use]
     pub fn columns(&self) -> u32 {

@@ -88,6 +88,18 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     Ok(Outcome::Good)
 }
 
+/// A shaded picture of part of a file, `size` pixels wide, for a texture.
+///
+/// # Errors
+/// A damaged tile of the file at `input`, or a picture too large.
+pub fn shaded(input: &Path, tiles: &Tiles<'_>, bounds: Bounds, size: u32) -> Result<RgbImage, ToolError> {
+    let relief = tiles.relief();
+    let canvas = Canvas::new(relief, bounds, size, 2)?;
+    let lattice = Lattice::new(tiles, canvas.level(relief), PlaneChoice::Mip);
+    let raster = canvas.draw(&lattice).map_err(ToolError::of_file(input))?;
+    Ok(heights(relief, &raster, 2)?.0)
+}
+
 fn heights(relief: &Relief, raster: &Raster, supersample: u32) -> Result<(RgbImage, String), ToolError> {
     let image = shaded_relief(&PictureInput {
         width: raster.width,
