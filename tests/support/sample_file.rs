@@ -8,7 +8,7 @@ use relief_formats::derive::{Base, Field, LevelPlanes, Window, derive_block, pad
 use relief_formats::file::writer::{FileSpec, write};
 use relief_formats::file::{Entry, Metadata};
 use relief_formats::grid::Grid;
-use relief_formats::mesh::{MeshLayout, encode as encode_mesh, patch_mesh};
+use relief_formats::mesh::{MeshLayout, encode_section, patch_mesh};
 use relief_formats::tile::{TILE_CELLS, TILE_NODES, TileKey};
 use relief_formats::tile_planes::{EncodedTile, TileSamples, encode};
 
@@ -73,7 +73,7 @@ impl Sample {
             bound_m: f64::from(self.step_exponent).exp2() / 2.0,
             versions: [("test".to_owned(), "1".to_owned())].into(),
         };
-        let mesh = encode_mesh(&patch_mesh(&self.body, &grid, MeshLayout::Aligned));
+        let mesh = encode_section(&patch_mesh(&self.body, &grid, MeshLayout::Aligned));
         let entries: Vec<Entry> = tiles
             .iter()
             .map(|tile| Entry {

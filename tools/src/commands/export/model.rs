@@ -6,7 +6,7 @@ use relief_formats::body::Body;
 use relief_formats::file::section::MESH;
 use relief_formats::file::{FormatError, Relief};
 use relief_formats::geodesy::node_of;
-use relief_formats::mesh::decode;
+use relief_formats::mesh::decode_section;
 use relief_formats::surface::{Place, Surface};
 use relief_formats::tiles::Tiles;
 
@@ -28,7 +28,7 @@ pub fn write(input: &Path, tiles: &Tiles<'_>, output: &Path, replace: bool) -> R
     let relief = tiles.relief();
     let in_file = ToolError::of_file(input);
     let section = relief.section_bytes(MESH).unwrap_or_default();
-    let mesh = decode(section).map_err(|error| in_file(FormatError::Damaged(error.to_string())))?;
+    let mesh = decode_section(section).map_err(|error| in_file(FormatError::Damaged(error.to_string())))?;
     let image = preview::shaded(input, tiles, square(relief), TEXTURE.min(relief.grid().width(0)))?;
     let unwritable = |error| ToolError::Io {
         action: "cannot write",
