@@ -3,6 +3,8 @@
 pub mod commands;
 pub mod error;
 pub mod gltf;
+pub mod junit;
 pub mod publish;
 pub mod resample;
 pub mod source;
+pub mod validate;
