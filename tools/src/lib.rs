@@ -4,6 +4,7 @@ pub mod commands;
 pub mod error;
 pub mod gltf;
 pub mod junit;
+pub mod picture;
 pub mod publish;
 pub mod resample;
 pub mod source;

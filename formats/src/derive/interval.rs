@@ -3,8 +3,11 @@
 //! A deviation of level k is measured on the nodes of a level g below it; what those nodes do not
 //! show of S_0 is held by one interval for each cell of level g.
 
+use multiversion::multiversion;
+
 use super::code::MAX_SIXTEENTHS;
 use super::field::{Field, Window};
+use super::parted::Parted;
 
 /// Bounds of S_0 - S_k over a cell of level k, in sixteenths of a height unit (there they are
 /// exact integers: S_{k-1} - S_k takes halves and quarters).
@@ -30,42 +33,45 @@ pub fn interval_next(nodes: &Field<i32>, finer: Option<&Field<Interval>>, window
     let need = window.finer_cells();
     assert!(nodes.window().contains(&need.nodes()), "the nodes of the cells are {:?}", need.nodes());
     assert!(finer.is_none_or(|f| f.window().contains(&need)), "the finer cells are {need:?}");
+    let mut rows = [Parted::default(), Parted::default(), Parted::default()];
     let zeros = vec![Interval::default(); need.nx];
     for (j, out) in (0..).zip(out.chunks_exact_mut(window.nx)) {
         let y = need.y0 + 2 * j;
-        let heights = [0, 1, 2].map(|d| nodes.row(y + d, need.x0, need.nx + 1));
-        let inner = [0, 1].map(|d| finer.map_or(&zeros[..], |f| f.row(y + d, need.x0, need.nx)));
-        for (i, out) in out.iter_mut().enumerate() {
-            let x = 2 * i;
-            *out = cell(heights.map(|h| [h[x], h[x + 1], h[x + 2]]), inner.map(|f| [f[x], f[x + 1]]));
+        rows.rotate_left(2);
+        let known = usize::from(j > 0);
+        for (dy, row) in (0..).zip(&mut rows).skip(known) {
+            row.take(nodes.row(y + dy, need.x0, need.nx + 1));
         }
+        let inner = [0, 1].map(|d| finer.map_or(&zeros[..], |f| f.row(y + d, need.x0, need.nx)));
+        cells(&rows, inner, out);
     }
 }
 
-/// One cell from its 3 x 3 finer nodes and 2 x 2 finer cells.
-#[inline(always)]
-fn cell(h: [[i32; 3]; 3], finer: [[Interval; 2]; 2]) -> Interval {
-    let corners = h[0][0] + h[0][2] + h[2][0] + h[2][2];
-    let centre = 16 * h[1][1] - 4 * corners;
-    let south = 16 * h[0][1] - 8 * (h[0][0] + h[0][2]);
-    let north = 16 * h[2][1] - 8 * (h[2][0] + h[2][2]);
-    let west = 16 * h[1][0] - 8 * (h[0][0] + h[2][0]);
-    let east = 16 * h[1][2] - 8 * (h[0][2] + h[2][2]);
-    let quarter = |a: i32, b: i32, f: Interval| {
-        let lo = f.lo + a.min(b).min(centre).min(0);
-        let hi = f.hi + a.max(b).max(centre).max(0);
-        (lo, hi)
-    };
-    let parts = [
-        quarter(south, west, finer[0][0]),
-        quarter(south, east, finer[0][1]),
-        quarter(north, west, finer[1][0]),
-        quarter(north, east, finer[1][1]),
-    ];
-    // Both surfaces stay within +-2^24 units, so a bound need never exceed their distance; this
-    // also keeps sums of intervals and residuals within an i32.
-    Interval {
-        lo: parts.iter().fold(0, |m, p| m.min(p.0)).max(-MAX_SIXTEENTHS),
-        hi: parts.iter().fold(0, |m, p| m.max(p.1)).min(MAX_SIXTEENTHS),
+/// A row of cells, from three rows of nodes and two of finer cells.
+#[multiversion(targets("x86_64+avx2"))]
+fn cells(rows: &[Parted; 3], finer: [&[Interval]; 2], out: &mut [Interval]) {
+    let n = out.len();
+    let [h_sw, h_w, h_nw] = [&rows[0].even[..n], &rows[1].even[..n], &rows[2].even[..n]];
+    let [h_se, h_e, h_ne] = [&rows[0].even[1..=n], &rows[1].even[1..=n], &rows[2].even[1..=n]];
+    let [h_s, h_c, h_n] = [&rows[0].odd[..n], &rows[1].odd[..n], &rows[2].odd[..n]];
+    let finer = finer[0].chunks_exact(2).zip(finer[1].chunks_exact(2));
+    for (i, (out, (below, above))) in out.iter_mut().zip(finer).enumerate() {
+        let centre = 16 * h_c[i] - 4 * (h_sw[i] + h_se[i] + h_nw[i] + h_ne[i]);
+        let south = 16 * h_s[i] - 8 * (h_sw[i] + h_se[i]);
+        let north = 16 * h_n[i] - 8 * (h_nw[i] + h_ne[i]);
+        let west = 16 * h_w[i] - 8 * (h_sw[i] + h_nw[i]);
+        let east = 16 * h_e[i] - 8 * (h_se[i] + h_ne[i]);
+        let (low, high) = (centre.min(0), centre.max(0));
+        let lo = (below[0].lo + south.min(west).min(low))
+            .min(below[1].lo + south.min(east).min(low))
+            .min(above[0].lo + north.min(west).min(low))
+            .min(above[1].lo + north.min(east).min(low));
+        let hi = (below[0].hi + south.max(west).max(high))
+            .max(below[1].hi + south.max(east).max(high))
+            .max(above[0].hi + north.max(west).max(high))
+            .max(above[1].hi + north.max(east).max(high));
+        // Both surfaces stay within +-2^24 units, so a bound need never exceed their distance;
+        // this also keeps sums of intervals and residuals within an i32.
+        *out = Interval { lo: lo.max(-MAX_SIXTEENTHS), hi: hi.min(MAX_SIXTEENTHS) };
     }
 }

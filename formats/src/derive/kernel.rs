@@ -28,7 +28,16 @@ const N: usize = 1 << SPAN;
 
 type Lanes = [i32; LANES];
 
-/// The largest distances of a row of cells of level k + 1, in sixteenths of a unit, not saturated.
+/// The largest distances in one cell of level k + 1, in sixteenths of a unit, not saturated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CellDistances {
+    /// Over the two triangles that share the cell's diagonal.
+    pub centre: i32,
+    /// Over the triangles on the southern, northern, western, eastern side, apex at the centre.
+    pub sides: [i32; 4],
+}
+
+/// [`CellDistances`] of a row of cells, an array for each.
 pub(super) struct CellRow {
     /// Over the two triangles that share the cell's diagonal.
     pub centre: Vec<i32>,
@@ -46,6 +55,19 @@ impl CellRow {
     pub(super) fn new(cells: usize) -> Self {
         let zeros = vec![0; cells];
         Self { centre: zeros.clone(), south: zeros.clone(), north: zeros.clone(), west: zeros.clone(), east: zeros }
+    }
+
+    /// The cell at index i.
+    pub(super) fn get(&self, i: usize) -> CellDistances {
+        CellDistances { centre: self.centre[i], sides: [self.south[i], self.north[i], self.west[i], self.east[i]] }
+    }
+
+    /// Writes cells from index `first` on.
+    pub(super) fn set(&mut self, first: usize, cells: &[CellDistances]) {
+        for (i, cell) in (first..).zip(cells) {
+            self.centre[i] = cell.centre;
+            [self.south[i], self.north[i], self.west[i], self.east[i]] = cell.sides;
+        }
     }
 }
 
@@ -76,21 +98,21 @@ impl Scratch {
     }
 }
 
-/// Fills `out` for the cells (x0.., y) of level k + 1, as many as `out` has, from nodes of level
-/// g = k - `span` and, for g > 0, the intervals of its cells.
-pub(super) fn cell_row(
+/// Fills entries `first..first + cells` of `out` for the cells (x0.., y) of level k + 1 from nodes
+/// of level g = k - `span` and, for g > 0, the intervals of its cells.
+pub(super) fn general_row(
     nodes: &Field<i32>,
     intervals: Option<&Field<Interval>>,
     span: u32,
     (x0, y): (i32, i32),
+    (first, cells): (usize, usize),
     scratch: &mut Scratch,
     out: &mut CellRow,
 ) {
     let size = 2usize << span;
-    let cells = out.centre.len();
-    for first in (0..cells).step_by(LANES) {
-        let count = LANES.min(cells - first);
-        let x = x0 + first as i32;
+    for done in (0..cells).step_by(LANES) {
+        let count = LANES.min(cells - done);
+        let x = x0 + done as i32;
         let (gx, gy) = (x << (span + 1), y << (span + 1));
         for (r, row) in (gy..).zip(&mut scratch.nodes[..=size]) {
             spread(nodes.row(r, gx, count * size + 1), size, row);
@@ -101,7 +123,7 @@ pub(super) fn cell_row(
             }
         }
         let run = run(scratch, size / 2, (x ^ y) & 1, intervals.is_some());
-        let range = first..first + count;
+        let range = first + done..first + done + count;
         for (target, values) in
             [&mut out.centre, &mut out.south, &mut out.north, &mut out.west, &mut out.east].into_iter().zip(&run)
         {

@@ -33,7 +33,7 @@ pub fn local_deviation(nodes: &[i32], side: usize) -> Option<Vec<u8>> {
     let field = Field::from_data(Window::new(0, 0, side, side), nodes.to_vec())?;
     let cells = field.window().cells().coarser_cells();
     let mut out = vec![0; side * side];
-    let sources = Sources { nodes: &field, intervals: None, children: None, span: 0 };
+    let sources = Sources { nodes: &field, intervals: None, children: None, span: 0, distances: None };
     assemble(&sources, cells, false, &mut out);
     Some(out)
 }

@@ -19,13 +19,17 @@ pub mod code;
 pub mod deviation;
 pub mod extremes;
 pub mod field;
+mod finest;
 pub mod interval;
 mod kernel;
 pub mod local;
 pub mod mip;
+mod parted;
 
 #[cfg(test)]
 mod oracle;
+#[cfg(test)]
+mod tests;
 
 pub use block::{Absent, Base, Below, Block, LevelPlanes, derive_block, padding};
 pub use code::{decode_deviation, encode_deviation};

@@ -93,9 +93,8 @@ pub fn encode(mesh: &PatchMesh) -> Vec<u8> {
 /// # Errors
 /// Anything the module's text says a reader MUST reject.
 pub fn decode(bytes: &[u8]) -> Result<PatchMesh, MeshError> {
-    let (header, rest) = bytes
-        .split_at_checked(HEADER_BYTES)
-        .ok_or(MeshError::Truncated { have: bytes.len(), need: HEADER_BYTES })?;
+    let (header, rest) =
+        bytes.split_at_checked(HEADER_BYTES).ok_or(MeshError::Truncated { have: bytes.len(), need: HEADER_BYTES })?;
     let words = words(header);
     let &[layout, m, columns, rows, index_count, reserved] = words.as_slice() else {
         return Err(MeshError::Truncated { have: bytes.len(), need: HEADER_BYTES });
@@ -183,12 +182,18 @@ mod tests {
     fn every_layout_comes_back() {
         let plane = Body::Plane { crs_wkt: String::new(), x0: 0.0, y0: 0.0, dx: 1.0, dy: 1.0 };
         for m in [8, 9, 12, 13, 20] {
-            for (body, layout) in
-                [(Body::earth(), MeshLayout::Aligned), (Body::moon(), MeshLayout::Paper), (plane.clone(), MeshLayout::Aligned)]
-            {
+            for (body, layout) in [
+                (Body::earth(), MeshLayout::Aligned),
+                (Body::moon(), MeshLayout::Paper),
+                (plane.clone(), MeshLayout::Aligned),
+            ] {
                 let mesh = patch_mesh(&body, &Grid::new(m, body.is_plane()), layout);
                 let bytes = encode(&mesh);
-                assert!(bytes.len() < 24 + 4 * 400 + mesh.indices.len() + mesh.indices.len() / 50 + 40, "{}", bytes.len());
+                assert!(
+                    bytes.len() < 24 + 4 * 400 + mesh.indices.len() + mesh.indices.len() / 50 + 40,
+                    "{}",
+                    bytes.len()
+                );
                 assert_eq!(decode(&bytes), Ok(mesh));
             }
         }

@@ -7,6 +7,7 @@
 
 mod check;
 mod codec;
+mod surface;
 
 pub use check::{MeshFault, MeshFinding, check_mesh, check_surface};
 pub use codec::{MAX_CELLS, MeshError, decode, encode};
