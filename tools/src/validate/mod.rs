@@ -8,13 +8,16 @@
 
 pub mod check;
 mod container;
+mod derived;
 pub mod finding;
 mod index;
+mod map;
 mod mesh;
 mod planes;
 mod progress;
 pub mod report;
 mod seams;
+mod summary;
 
 use std::path::Path;
 
@@ -112,6 +115,10 @@ impl Run<'_> {
         mesh::mesh(&relief, findings);
         let progress = Progress::new("seams", count, options.quiet);
         seams::seams(&relief, &tiles, findings, || progress.step(1)).map_err(damaged)?;
+        drop(progress);
+        let map = map::Map::new(&relief, &tiles).map_err(damaged)?;
+        let progress = Progress::new("derived", count, options.quiet);
+        derived::derived(&map, options.memory_bytes, findings, |n| progress.step(n)).map_err(damaged)?;
         drop(progress);
         Ok(options.level)
     }

@@ -177,8 +177,9 @@ fn every_rule_of_the_index() {
     };
     assert_only(&run(&with_mip), &[Check::PlaneLengths]);
     let short_root = |entries: &mut Vec<Entry>| {
-        entries[0].lengths[Plane::Nodes as usize] -= 1;
-        entries[0].lengths[Plane::Mip as usize] += 1;
+        let lengths = &mut entries[0].lengths;
+        lengths[Plane::Mip as usize] += lengths[Plane::Nodes as usize] - 15;
+        lengths[Plane::Nodes as usize] = 15;
     };
     assert_only(&run(&short_root), &[Check::PlaneLengths]);
 }
