@@ -1,5 +1,6 @@
 //! From elevation rasters to a validated `.relief` file: the library behind `relief-bake`.
 
+pub mod bake;
 pub mod commands;
 pub mod error;
 pub mod gltf;

@@ -8,8 +8,8 @@
 use super::deviation::{CellDistances, Sources, cell_distances, centres, deviations};
 use super::extremes::{Extremes, extremes_from_nodes, extremes_next};
 use super::field::{Field, Window};
-use super::interval::{Interval, interval_next};
-use super::kernel::SPAN;
+use super::interval::{Interval, intervals_into};
+use super::lanes::SPAN;
 use super::mip::mip_into;
 
 /// What is known at the level where a stage starts, and what a stage hands on. All windows but
@@ -37,8 +37,8 @@ pub struct Below {
     pub centres: Field<u8>,
     /// Distances of levels `level`, `level` + 1, ..., one entry for each cell of the level above
     /// it. Three, if the stage below could have them (its core divides by 2^(levels + 3));
-    /// without them the nodes of `level` must do, and the bounds are up to twice too high. Entries
-    /// outside a map that does not wrap may be 0.
+    /// without them the nodes of `level` must do, and the bounds are looser. Entries outside the map
+    /// may be 0, as may those of `intervals` and `centres`.
     pub distances: Vec<Field<CellDistances>>,
 }
 
@@ -118,7 +118,9 @@ pub fn derive_block(base: Base, core: Window, levels: u32, absent: Option<&Absen
         }
         extremes.push(ext);
         let mut interval = Field::new(coarse.expand(padding(levels) >> (index + 1)));
-        interval_next(&nodes[index], intervals[index].as_ref(), interval.window(), interval.data_mut());
+        let finer = (index + 1).saturating_sub(SPAN as usize);
+        let span = (index + 1 - finer) as u32;
+        intervals_into(&nodes[finer], intervals[finer].as_ref(), span, interval.window(), interval.data_mut());
         intervals.push(Some(interval));
         let mut filtered = Field::new(coarse.nodes().expand(border));
         mip_into(mips[index].as_ref().unwrap_or(&nodes[index]), filtered.window(), filtered.data_mut());
@@ -130,15 +132,19 @@ pub fn derive_block(base: Base, core: Window, levels: u32, absent: Option<&Absen
     }
     // The next stage has no finer nodes than its first level's: what those cannot show.
     let whole = |up: usize| (core.x0 | core.y0 | core.nx as i32 | core.ny as i32).trailing_zeros() as usize >= up;
-    let handed = (levels as usize..).take(SPAN as usize).take_while(|&index| whole(index + 1)).map(|index| {
-        cell_distances(&sources(index, &nodes, &intervals, &known, None), shift(core, index + 1))
-    });
+    let handed = (levels as usize..)
+        .take(SPAN as usize)
+        .take_while(|&index| whole(index + 1))
+        .map(|index| cell_distances(&sources(index, &nodes, &intervals, &known, None), shift(core, index + 1)));
     let handed = handed.collect();
     let top = shift(core, levels as usize);
     let below = match (intervals.pop().flatten(), extremes.last(), centre_codes) {
-        (Some(intervals), Some(extremes), Some(codes)) => {
-            Some(Below { intervals: intervals.crop(top), extremes: extremes.clone(), centres: codes.crop(top), distances: handed })
-        }
+        (Some(intervals), Some(extremes), Some(codes)) => Some(Below {
+            intervals: intervals.crop(top),
+            extremes: extremes.clone(),
+            centres: codes.crop(top),
+            distances: handed,
+        }),
         _ => None,
     };
     let next = Base {

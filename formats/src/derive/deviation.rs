@@ -11,12 +11,14 @@
 use multiversion::multiversion;
 
 use super::code::encode_sixteenths;
+use super::distances::CellRow;
 use super::field::{Field, Window};
 use super::finest::Rows;
 use super::interval::Interval;
-use super::kernel::{CellRow, SPAN, Scratch, general_row};
+use super::kernel::general_row;
+use super::lanes::{SPAN, Scratch};
 
-pub use super::kernel::CellDistances;
+pub use super::distances::CellDistances;
 
 /// What the deviations of a level k are made from.
 #[derive(Clone, Copy)]

@@ -4,8 +4,8 @@
 use multiversion::multiversion;
 
 use super::code::MAX_SIXTEENTHS;
+use super::distances::CellRow;
 use super::field::Field;
-use super::kernel::CellRow;
 use super::parted::Parted;
 
 /// The three rows of nodes of a row of cells, reused from row to row.
@@ -74,7 +74,8 @@ fn distances(rows: &Rows, parity: i32, centre: &mut [i32], sides: [&mut [i32]; 4
 
 #[cfg(test)]
 mod tests {
-    use super::super::kernel::{Scratch, general_row};
+    use super::super::kernel::general_row;
+    use super::super::lanes::Scratch;
     use super::super::oracle::noise;
     use super::*;
     use crate::derive::Window;

@@ -119,9 +119,10 @@ impl<'a> Truth<'a> {
     /// The largest distance over the node's own two triangles.
     pub(super) fn own(&mut self, (k, i, j): Node) -> f64 {
         let heights = self.heights;
-        *self.own.entry((k, i, j)).or_insert_with(|| {
-            triangles(k, i, j).map(|t| distance(heights, t)).into_iter().fold(0.0, f64::max)
-        })
+        *self
+            .own
+            .entry((k, i, j))
+            .or_insert_with(|| triangles(k, i, j).map(|t| distance(heights, t)).into_iter().fold(0.0, f64::max))
     }
 
     /// Not below those of its children: for each triangle (a, b, apex), the middles of its legs.

@@ -20,11 +20,11 @@ fn block(heights: &Heights) -> Block {
 
 #[test]
 fn bounds_hold_and_are_tight_on_terrain() {
-    for (rough, seed, most) in [(0.35, 1, 1.15), (0.5, 2, 1.15), (0.65, 3, 1.2), (0.9, 4, 1.3)] {
+    for (rough, seed) in [(0.35, 1), (0.5, 2), (0.65, 3), (0.9, 4)] {
         let ratios = judge(&terrain(CORE.expand(padding(5)).nodes(), rough, seed), CORE, 5);
         println!("roughness {rough}: mean of bound / truth, by level: {ratios:.3?}");
         for r in ratios {
-            assert!((1.0..most).contains(&r), "{r} at roughness {rough}");
+            assert!((1.0..1.15).contains(&r), "{r} at roughness {rough}");
         }
     }
 }
@@ -38,14 +38,18 @@ fn a_second_stage_bounds_too() {
     let first = derive_block(Base { level: 0, nodes: heights.clone(), mip: None, below: None }, wide, 5, None);
     assert_eq!(first.next.level, 5);
     let core5 = Window::new(core.x0 >> 5, core.y0 >> 5, core.nx >> 5, core.ny >> 5);
-    // The filter needs a ring of nodes more than the first stage's core has; here any will do.
     let second = derive_block(first.next, core5, 3, None);
     let mut truth = Truth::new(&heights);
     for plane in &second.levels {
-        let cells = Window::new(core5.x0 >> (plane.level - 5), core5.y0 >> (plane.level - 5), 8 >> (plane.level - 5), 8 >> (plane.level - 5));
+        let cells = Window::new(
+            core5.x0 >> (plane.level - 5),
+            core5.y0 >> (plane.level - 5),
+            8 >> (plane.level - 5),
+            8 >> (plane.level - 5),
+        );
         let r = ratio(plane.level, &plane.deviations.crop(cells.nodes()), &mut truth);
         println!("level {}: mean of bound / truth {r:.3}", plane.level);
-        assert!((1.0..1.3).contains(&r), "{r}");
+        assert!((1.0..1.25).contains(&r), "{r}");
     }
     // All levels at once, with nodes three levels below instead of the base's, are no looser.
     let once = derive_block(Base { level: 0, nodes: heights.clone(), mip: None, below: None }, core, 8, None);
@@ -55,7 +59,12 @@ fn a_second_stage_bounds_too() {
         assert_eq!(two.nodes.crop(cells.nodes()), one.nodes.crop(cells.nodes()));
         let filtered = |m: &Option<Field<i32>>| m.as_ref().map(|m| m.crop(cells.nodes()));
         assert_eq!(filtered(&two.mip), filtered(&one.mip));
-        let pairs = two.deviations.crop(cells.nodes()).into_data().into_iter().zip(one.deviations.crop(cells.nodes()).into_data());
+        let pairs = two
+            .deviations
+            .crop(cells.nodes())
+            .into_data()
+            .into_iter()
+            .zip(one.deviations.crop(cells.nodes()).into_data());
         assert!(pairs.map(|(two, one)| i32::from(two) - i32::from(one)).all(|d| d >= 0));
     }
 }
@@ -69,7 +78,7 @@ fn hard_heights_are_bounded() {
         ("spike on a coarse node", |x, y, big| if (x, y) == (0, 96) { -big } else { 0 }),
         ("checkerboard", |x, y, big| if (x + y) % 2 == 0 { big } else { -big }),
         ("stripes", |x, _, big| if x % 2 == 0 { big } else { -big }),
-        ("blocks", |x, y, big| if (x >> 3) + (y >> 3) & 1 == 0 { big } else { -big }),
+        ("blocks", |x, y, big| if ((x >> 3) + (y >> 3)) & 1 == 0 { big } else { -big }),
         ("saddle", |x, y, _| x * y),
         ("noise", |x, y, big| (noise(x, y, 5) % (2 * big as u64 + 1)) as i32 - big),
         ("last bit", |x, y, _| (noise(x, y, 6) & 1) as i32),
@@ -77,7 +86,7 @@ fn hard_heights_are_bounded() {
     for (name, shape) in shapes {
         let ratios = judge(&padded(|x, y| shape(x, y, big)), CORE, 5);
         println!("{name}: {ratios:.3?}");
-        assert!(ratios.iter().all(|r| (1.0..1.7).contains(r)), "{name} {ratios:?}");
+        assert!(ratios.iter().all(|r| (1.0..1.15).contains(r)), "{name} {ratios:?}");
     }
 }
 
@@ -150,7 +159,9 @@ fn extremes_and_means_follow_their_definitions() {
             assert!(inside.contains(&cells.finer_cells().nodes()));
             let next = Field::from_fn(inside, |x, y| {
                 let tap = |dx: i32, dy: i32| i64::from(mean.at(2 * x + dx, 2 * y + dy)) * [1, 2, 1][(dx + 1) as usize];
-                let sum: i64 = (-1..=1).map(|dy: i32| (2 - i64::from(dy.abs())) * (-1..=1).map(|dx| tap(dx, dy)).sum::<i64>()).sum();
+                let sum: i64 = (-1..=1)
+                    .map(|dy: i32| (2 - i64::from(dy.abs())) * (-1..=1).map(|dx| tap(dx, dy)).sum::<i64>())
+                    .sum();
                 (sum + 8).div_euclid(16) as i32
             });
             assert_eq!(*mip, next);
@@ -188,7 +199,11 @@ proptest! {
     fn intervals_hold_the_surface(seed: u64, rough in 0.2f64..0.95) {
         let heights = terrain(CORE.expand(padding(5)).nodes(), rough, seed);
         let top = block(&heights).next;
-        let (nodes, intervals) = (top.nodes, top.below.unwrap().intervals);
+        let below = top.below.unwrap();
+        let (nodes, intervals) = (top.nodes, below.intervals);
+        for (interval, extremes) in intervals.data().iter().zip(below.extremes.data()) {
+            prop_assert_eq!((interval.min, interval.max), (extremes.min, extremes.max));
+        }
         let bilinear = |f: &Heights, x: f64, y: f64| {
             let w = f.window();
             let (i, j) = ((x.floor() as i32).min(w.x1() - 2), (y.floor() as i32).min(w.y1() - 2));
@@ -286,12 +301,4 @@ fn a_tile_of_another_shape_has_no_local_codes() {
     assert_eq!(local_deviation(&[0; 16], 4), None);
     assert_eq!(local_deviation(&[0; 24], 5), None);
     assert_eq!(local_deviation(&[7; 25], 5), Some(vec![0; 25]));
-}
-#[test]
-fn tightness_probe() {
-    let core = Window::new(0, 0, 512, 512);
-    for rough in [0.5, 0.65] {
-        let heights = terrain(core.expand(padding(8)).nodes(), rough, 9);
-        println!("{rough} {:.3?}", judge(&heights, core, 8));
-    }
 }
