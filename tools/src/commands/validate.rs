@@ -3,10 +3,12 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use super::bake::parse_bytes;
 use crate::commands::Outcome;
 use crate::error::ToolError;
 use crate::publish::publish;
-use crate::validate::{Level, Options, check, validate};
+use crate::source::Registration;
+use crate::validate::{Against, Level, Options, check, validate};
 
 /// Everything a file promises, checked.
 ///
@@ -22,6 +24,18 @@ pub struct Args {
     /// How deep to check; each level includes those before it [default: semantic].
     #[arg(long, value_enum)]
     pub level: Option<Level>,
+    /// Bounds W,S,E,N that the bake was given for inputs without georeference.
+    #[arg(long, value_name = "W,S,E,N", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
+    pub bounds: Vec<f64>,
+    /// What those bounds are: edges of cells, or the outermost samples.
+    #[arg(long, value_enum)]
+    pub registration: Option<RegistrationArg>,
+    /// EXR channel that was baked.
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
+    /// The geoid grid that the bake added, if it was not EGM96.
+    #[arg(long, value_name = "PATH.gtx")]
+    pub geoid: Option<PathBuf>,
     /// Print one JSON object instead of text.
     #[arg(long)]
     pub json: bool,
@@ -39,18 +53,33 @@ pub struct Args {
     pub quiet: bool,
 }
 
-/// Bytes as typed: a number and, if any, a binary suffix.
-fn parse_bytes(text: &str) -> Result<u64, String> {
-    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    let shift = match &text[digits.len()..] {
-        "" | "B" => 0,
-        "K" | "KiB" => 10,
-        "M" | "MiB" => 20,
-        "G" | "GiB" => 30,
-        _ => return Err("a number of bytes, KiB, MiB or GiB".into()),
-    };
-    let number: u64 = digits.trim().parse().map_err(|_| "a number of bytes, KiB, MiB or GiB".to_owned())?;
-    number.checked_mul(1 << shift).filter(|&bytes| bytes >= 1 << 26).ok_or_else(|| "from 64MiB on".into())
+/// See [`Registration`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum RegistrationArg {
+    /// Samples are centres of cells.
+    Cell,
+    /// The outermost samples lie on the bounds.
+    Node,
+}
+
+impl Args {
+    fn against(&self) -> Result<Against, ToolError> {
+        let bounds = match self.bounds[..] {
+            [] => None,
+            [west, south, east, north] => Some([west, south, east, north]),
+            _ => return Err(ToolError::usage(format!("--bounds with {} numbers", self.bounds.len()), "four numbers W,S,E,N", "give all four")),
+        };
+        Ok(Against {
+            inputs: self.against.clone(),
+            bounds,
+            registration: self.registration.map(|registration| match registration {
+                RegistrationArg::Cell => Registration::Cell,
+                RegistrationArg::Node => Registration::Node,
+            }),
+            channel: self.channel.clone(),
+            geoid: self.geoid.clone(),
+        })
+    }
 }
 
 /// Runs the command.
@@ -66,7 +95,7 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
             "name the inputs after --against, or choose another level",
         ));
     }
-    let options = Options { level, memory_bytes: args.memory, quiet: args.quiet, ..Options::default() };
+    let options = Options { level, against: args.against()?, memory_bytes: args.memory, quiet: args.quiet, ..Options::default() };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build().map_err(|error| {
         ToolError::usage(format!("cannot start the threads: {error}"), "the system has room for the threads", "choose fewer with --threads")
     })?;
@@ -95,20 +124,5 @@ fn print(text: &str) -> Result<(), ToolError> {
             remedy: "free some space, or choose another output".into(),
         }),
         _ => Ok(()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_as_typed() {
-        assert_eq!(parse_bytes("1GiB"), Ok(1 << 30));
-        assert_eq!(parse_bytes("268435456"), Ok(1 << 28));
-        assert_eq!(parse_bytes("512 MiB"), Ok(1 << 29));
-        for bad in ["", "GiB", "1TB", "-1GiB", "1KiB", "99999999999GiB"] {
-            assert!(parse_bytes(bad).is_err(), "{bad}");
-        }
     }
 }

@@ -17,6 +17,7 @@ mod planes;
 mod progress;
 pub mod report;
 mod seams;
+mod source;
 mod summary;
 
 use std::path::Path;
@@ -27,6 +28,7 @@ use relief_formats::tiles::Tiles;
 pub use check::{Check, Level, Severity};
 pub use finding::{Finding, Findings, Place};
 pub use report::{Report, SourceDifference};
+pub use source::Against;
 
 use crate::error::ToolError;
 use progress::Progress;
@@ -36,6 +38,8 @@ use progress::Progress;
 pub struct Options {
     /// The deepest level.
     pub level: Level,
+    /// What to compare with at level `source`.
+    pub against: Against,
     /// Memory to use, bytes.
     pub memory_bytes: u64,
     /// Findings of each code that are listed.
@@ -46,7 +50,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { level: Level::Semantic, memory_bytes: 1 << 30, listed: 100, quiet: true }
+        Self { level: Level::Semantic, against: Against::default(), memory_bytes: 1 << 30, listed: 100, quiet: true }
     }
 }
 
@@ -120,6 +124,11 @@ impl Run<'_> {
         let progress = Progress::new("derived", count, options.quiet);
         derived::derived(&map, options.memory_bytes, findings, |n| progress.step(n)).map_err(damaged)?;
         drop(progress);
+        if options.level == Level::Source {
+            let progress = Progress::new("source", count, options.quiet);
+            let difference = source::source(&map, &options.against, options.memory_bytes, findings, || progress.step(1))?;
+            self.source = Some(difference);
+        }
         Ok(options.level)
     }
 }

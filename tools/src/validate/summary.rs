@@ -108,17 +108,16 @@ impl<'a> Summaries<'a> {
         let core = Window::new(x * self.side, y * self.side, side, side);
         let nodes = self.map.nodes(self.level, core.nodes())?;
         let corners = |x, y| [nodes.at(x, y), nodes.at(x + 1, y), nodes.at(x, y + 1), nodes.at(x + 1, y + 1)];
+        let range = |c: [i32; 4]| c.iter().fold(Extremes { min: c[0], max: c[0] }, |e, &q| Extremes { min: e.min.min(q), max: e.max.max(q) });
         let flat = |c: [i32; 4]| c.iter().all(|&q| q == c[0]);
         // Each level of interpolation rounds by at most half a step: 8 sixteenths.
         let rounding = 8 * self.level as i32;
-        let intervals = Field::from_fn(core, |x, y| match flat(corners(x, y)) {
-            true => Interval::default(),
-            false => Interval { lo: -rounding, hi: rounding },
+        let intervals = Field::from_fn(core, |x, y| {
+            let Extremes { min, max } = range(corners(x, y));
+            let rounding = if min == max { 0 } else { rounding };
+            Interval { lo: -rounding, hi: rounding, min, max }
         });
-        let extremes = Field::from_fn(core, |x, y| {
-            let c = corners(x, y);
-            c.iter().fold(Extremes { min: c[0], max: c[0] }, |e, &q| Extremes { min: e.min.min(q), max: e.max.max(q) })
-        });
+        let extremes = Field::from_fn(core, |x, y| range(corners(x, y)));
         // A bilinear cell bulges from its two triangles by a quarter of its twist at most.
         let centres = Field::from_fn(core, |x, y| {
             let c = corners(x, y);
