@@ -2,7 +2,7 @@
 
 use relief_formats::file::Relief;
 use relief_formats::file::section::MESH;
-use relief_formats::mesh::{MeshFault, check_mesh, decode, patch_mesh};
+use relief_formats::mesh::{MeshFault, check_mesh, decode_section, patch_mesh};
 
 use super::check::Check;
 use super::finding::{Findings, Place};
@@ -10,7 +10,7 @@ use super::finding::{Findings, Place};
 /// Checks the mesh section.
 pub(super) fn mesh(relief: &Relief, findings: &Findings) {
     let (grid, body) = (relief.grid(), relief.body());
-    let mesh = match decode(relief.section_bytes(MESH).unwrap_or_default()) {
+    let mesh = match decode_section(relief.section_bytes(MESH).unwrap_or_default()) {
         Ok(mesh) => mesh,
         Err(error) => {
             findings.add(Check::MeshDecodes, Place::default(), error.to_string());

@@ -1,21 +1,25 @@
-//! How far a validation is: a bar on a terminal, a line now and then elsewhere.
+//! How far a validation is: a bar on a terminal, elsewhere a line every two seconds at most.
 
 use std::io::IsTerminal as _;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+
+/// Time between two plain lines.
+const PAUSE: Duration = Duration::from_secs(2);
 
 /// One stage's progress; shared by all threads.
 pub(super) struct Progress {
     name: &'static str,
     total: u64,
-    done: AtomicU64,
     shown: Shown,
 }
 
 enum Shown {
     Nothing,
-    Lines,
+    /// Steps done, and when the last line was printed.
+    Lines(Mutex<(u64, Instant)>),
     Bar(ProgressBar),
 }
 
@@ -26,15 +30,15 @@ impl Progress {
             Shown::Nothing
         } else if std::io::stderr().is_terminal() {
             let bar = ProgressBar::new(total);
-            if let Ok(style) = ProgressStyle::with_template("{msg:>10} {wide_bar} {percent:>3} % {eta}") {
-                bar.set_style(style);
+            if let Ok(style) = ProgressStyle::with_template("{msg:>8} [{bar:30}] {percent:>3} %  {elapsed} gone, {eta} left") {
+                bar.set_style(style.progress_chars("=> "));
             }
             bar.set_message(name);
             Shown::Bar(bar)
         } else {
-            Shown::Lines
+            Shown::Lines(Mutex::new((0, Instant::now())))
         };
-        Self { name, total, done: AtomicU64::new(0), shown }
+        Self { name, total, shown }
     }
 
     /// `n` more steps are done.
@@ -42,11 +46,12 @@ impl Progress {
         match &self.shown {
             Shown::Nothing => {}
             Shown::Bar(bar) => bar.inc(n),
-            Shown::Lines => {
-                let before = self.done.fetch_add(n, Ordering::Relaxed);
-                let quarter = |done: u64| 4 * done / self.total.max(1);
-                if quarter(before + n) > quarter(before) {
-                    eprintln!("{}: {} %", self.name, 25 * quarter(before + n).min(4));
+            Shown::Lines(state) => {
+                let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
+                state.0 += n;
+                if state.1.elapsed() > PAUSE {
+                    state.1 = Instant::now();
+                    eprintln!("{}: {} %", self.name, 100 * state.0 / self.total.max(1));
                 }
             }
         }

@@ -218,7 +218,7 @@ impl World {
             true => (corner(0, 0), corner(w - 1, h - 1)),
             false => (corner(0, 0), corner(0, h)),
         };
-        let mesh = mesh::encode(&self.mesh);
+        let mesh = mesh::encode_section(&self.mesh);
         let spec = FileSpec { body: &self.body, m: self.m, step_exponent, south_pole_q, north_pole_q, metadata: &metadata, mesh: &mesh };
         write(path, &spec, &entries, |k, out| {
             encoded[k].planes.iter().for_each(|plane| out.extend_from_slice(plane));
