@@ -25,8 +25,8 @@ const BLOCK_TILES: u32 = 8;
 const BLOCK_CELLS: u32 = BLOCK_TILES * TILE_CELLS;
 /// Levels of a stage: a block is one tile at the last of them.
 const STAGE_LEVELS: u32 = 4;
-/// What deriving one block takes, measured and rounded up.
-const BLOCK_BYTES: u64 = 160 << 20;
+/// What deriving one block of the first stage and of a later one takes, measured and rounded up.
+const BLOCK_BYTES: [u64; 2] = [160 << 20, 380 << 20];
 
 /// Compares all tiles; `step` is called with the number of tiles done.
 ///
@@ -34,11 +34,13 @@ const BLOCK_BYTES: u64 = 160 << 20;
 /// A tile that does not decode.
 pub(super) fn derived(map: &Map<'_>, memory_bytes: u64, findings: &Findings, step: impl Fn(u64) + Sync) -> Result<(), FormatError> {
     let root = map.grid.root_level();
-    let at_once = (memory_bytes / 2 / BLOCK_BYTES).clamp(1, rayon::current_num_threads() as u64) as usize;
     let mut summaries: Option<Summaries<'_>> = None;
     let mut first = 0;
     while first <= root {
         let stage = Stage { map, findings, first, levels: STAGE_LEVELS.min(root + 1 - first) };
+        let block_bytes = BLOCK_BYTES[usize::from(first > 0)];
+        // A quarter of the memory is the tile cache's.
+        let at_once = (memory_bytes / 4 * 3 / block_bytes).clamp(1, rayon::current_num_threads() as u64) as usize;
         let mut next = HashMap::new();
         for chunk in stage.blocks().chunks(at_once) {
             let done = chunk.par_iter().map(|&at| {

@@ -2,6 +2,7 @@
 //! padded fields over seam and poles.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use relief_formats::derive::deviation::{CellDistances, Sources, cell_distances};
@@ -23,9 +24,6 @@ pub(super) struct Summaries<'a> {
     blocks: HashMap<(i32, i32), Arc<Base>>,
 }
 
-/// The summaries that a window needs.
-type Near = HashMap<(i32, i32), Arc<Base>>;
-
 impl<'a> Summaries<'a> {
     /// Summaries at `level`. Blocks that `blocks` lacks have no tile below it.
     pub fn new(map: &'a Map<'a>, level: u32, side: i32, blocks: HashMap<(i32, i32), Arc<Base>>) -> Self {
@@ -37,69 +35,54 @@ impl<'a> Summaries<'a> {
     /// # Errors
     /// A tile that does not decode.
     pub fn gather(&self, core: Window, pad: i32) -> Result<Base, FormatError> {
-        let (map, level, side) = (self.map, self.level, self.side);
+        let (map, level) = (self.map, self.level);
         let (w, h) = map.size(level);
         let padded = core.expand(pad);
-        let near = self.near(padded)?;
-        let mip = Field::from_fn(padded.nodes(), |x, y| {
-            let (x, y) = map.home_node(level, x, y);
-            let block = near.get(&((x / side).min(w / side - 1), (y / side).min(h / side - 1)));
-            block.map_or(0, |base| base.mip.as_ref().unwrap_or(&base.nodes).at(x, y))
-        });
-        let below = |x: i32, y: i32| {
-            let (x, y) = map.home_cell(level, x, y);
-            let block = near.get(&(x / side, y / side)).and_then(|base| base.below.as_ref());
-            (block, x, y)
-        };
-        let intervals = Field::from_fn(padded, |x, y| match below(x, y) {
-            (Some(below), x, y) => below.intervals.at(x, y),
-            _ => Interval::default(),
-        });
-        let extremes = Field::from_fn(core, |x, y| match below(x, y) {
-            (Some(below), x, y) => below.extremes.at(x, y),
-            _ => Extremes::default(),
-        });
-        let centres = Field::from_fn(padded, |x, y| match below(x, y) {
-            (Some(below), x, y) => below.centres.at(x, y),
-            _ => 0,
-        });
-        let distances = (0..DISTANCE_LEVELS as usize).map(|index| {
-            let up = index + 1;
-            let (w, h, side) = (w >> up, h >> up, side >> up);
-            let window = Window::between(padded.x0 >> up, padded.x1() >> up, padded.y0 >> up, padded.y1() >> up);
-            Field::from_fn(window, |x, y| {
-                // No triangle lies beyond a pole or a plane's edge.
-                if !(0..h).contains(&y) || map.grid.plane && !(0..w).contains(&x) {
-                    return CellDistances::default();
+        let mut mip = Field::new(padded.nodes());
+        let mut intervals = Field::new(padded);
+        let mut extremes = Field::new(core);
+        let mut centres = Field::new(padded);
+        let mut distances: Vec<Field<CellDistances>> = (1..=DISTANCE_LEVELS)
+            .map(|up| Field::new(Window::between(padded.x0 >> up, padded.x1() >> up, padded.y0 >> up, padded.y1() >> up)))
+            .collect();
+        // Row by row, so that only one row of blocks is held where they are made up.
+        let mut near = Near { summaries: self, row: None, held: HashMap::new() };
+        for y in padded.y0..=padded.y1() {
+            for x in padded.x0..=padded.x1() {
+                let (hx, hy) = map.home_node(level, x, y);
+                let base = near.at(hx.min(w - 1), hy.min(h - 1))?;
+                put(&mut mip, x, y, base.mip.as_ref().unwrap_or(&base.nodes).at(hx, hy));
+            }
+            if y == padded.y1() {
+                break;
+            }
+            for x in padded.x0..padded.x1() {
+                let (hx, hy) = map.home_cell(level, x, y);
+                let Some(below) = &near.at(hx, hy)?.below else { continue };
+                put(&mut intervals, x, y, below.intervals.at(hx, hy));
+                put(&mut centres, x, y, below.centres.at(hx, hy));
+                if core.contains(&Window::new(x, y, 1, 1)) {
+                    put(&mut extremes, x, y, below.extremes.at(hx, hy));
                 }
-                let x = x.rem_euclid(w);
-                let below = near.get(&(x / side, y / side)).and_then(|base| base.below.as_ref());
-                below.and_then(|below| below.distances.get(index)).map_or_else(CellDistances::default, |field| field.at(x, y))
-            })
-        });
-        let below = Below { intervals, extremes, centres, distances: distances.collect() };
-        Ok(Base { level, nodes: map.nodes(level, padded.nodes())?, mip: Some(mip), below: Some(below) })
-    }
-
-    /// All blocks that a padded window touches.
-    fn near(&self, padded: Window) -> Result<Near, FormatError> {
-        let steps = |from: i32, to: i32| (from..to).step_by(self.side as usize).chain([to]);
-        let mut near = Near::new();
-        for (x, y) in steps(padded.y0, padded.y1()).flat_map(|y| steps(padded.x0, padded.x1()).map(move |x| (x, y))) {
-            // The cells around a node, for it may lie on a block's border.
-            for (x, y) in [(x, y), (x - 1, y), (x, y - 1), (x - 1, y - 1)] {
-                let (x, y) = self.map.home_cell(self.level, x, y);
-                let at = (x / self.side, y / self.side);
-                if !near.contains_key(&at) {
-                    let block = match self.blocks.get(&at) {
-                        Some(block) => Arc::clone(block),
-                        None => Arc::new(self.interpolated(at)?),
-                    };
-                    near.insert(at, block);
+            }
+            for (up, field) in (1..).zip(&mut distances) {
+                // No triangle lies beyond a pole or a plane's edge: 0 there.
+                if y.trailing_zeros() < up || !(0..h).contains(&y) || (y >> up) >= field.window().y1() {
+                    continue;
+                }
+                for x in field.window().x0..field.window().x1() {
+                    let inside = (0..w >> up).contains(&x);
+                    if inside || !map.grid.plane {
+                        let (hx, hy) = (x.rem_euclid(w >> up), y >> up);
+                        let below = near.at(hx << up, hy << up)?.below.as_ref();
+                        let known = below.and_then(|below| below.distances.get(up as usize - 1));
+                        put(field, x, hy, known.map_or_else(CellDistances::default, |known| known.at(hx, hy)));
+                    }
                 }
             }
         }
-        Ok(near)
+        let below = Below { intervals, extremes, centres, distances };
+        Ok(Base { level, nodes: map.nodes(level, padded.nodes())?, mip: Some(mip), below: Some(below) })
     }
 
     /// The summary of a block below which there is nothing but interpolation.
@@ -134,4 +117,35 @@ impl<'a> Summaries<'a> {
         let below = Below { intervals, extremes, centres, distances };
         Ok(Base { level: self.level, mip: Some(nodes.clone()), nodes, below: Some(below) })
     }
+}
+
+/// The summaries of one row of blocks.
+struct Near<'a> {
+    summaries: &'a Summaries<'a>,
+    row: Option<i32>,
+    held: HashMap<i32, Arc<Base>>,
+}
+
+impl Near<'_> {
+    /// The summary that holds cell (x, y) of the map.
+    fn at(&mut self, x: i32, y: i32) -> Result<&Base, FormatError> {
+        let side = self.summaries.side;
+        let at = (x / side, y / side);
+        if self.row != Some(at.1) {
+            self.row = Some(at.1);
+            self.held.clear();
+        }
+        Ok(match self.held.entry(at.0) {
+            Entry::Occupied(held) => held.into_mut(),
+            Entry::Vacant(free) => free.insert(match self.summaries.blocks.get(&at) {
+                Some(block) => Arc::clone(block),
+                None => Arc::new(self.summaries.interpolated(at)?),
+            }),
+        })
+    }
+}
+
+fn put<T: Copy + Default>(field: &mut Field<T>, x: i32, y: i32, value: T) {
+    let window = field.window();
+    field.data_mut()[(y - window.y0) as usize * window.nx + (x - window.x0) as usize] = value;
 }
