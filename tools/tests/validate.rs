@@ -6,6 +6,8 @@ mod build;
 mod container;
 #[path = "validate/samples.rs"]
 mod samples;
+#[path = "validate/source.rs"]
+mod source;
 
 use std::path::Path;
 

@@ -46,7 +46,7 @@ impl<'a> Summaries<'a> {
             .map(|up| Field::new(Window::between(padded.x0 >> up, padded.x1() >> up, padded.y0 >> up, padded.y1() >> up)))
             .collect();
         // Row by row, so that only one row of blocks is held where they are made up.
-        let mut near = Near { summaries: self, row: None, held: HashMap::new() };
+        let mut near = Near { summaries: self, row: None, held: HashMap::new(), last: None };
         for y in padded.y0..=padded.y1() {
             for x in padded.x0..=padded.x1() {
                 let (hx, hy) = map.home_node(level, x, y);
@@ -124,6 +124,8 @@ struct Near<'a> {
     summaries: &'a Summaries<'a>,
     row: Option<i32>,
     held: HashMap<i32, Arc<Base>>,
+    /// The block asked for last: mostly it is the next one, too.
+    last: Option<((i32, i32), Arc<Base>)>,
 }
 
 impl Near<'_> {
@@ -131,16 +133,24 @@ impl Near<'_> {
     fn at(&mut self, x: i32, y: i32) -> Result<&Base, FormatError> {
         let side = self.summaries.side;
         let at = (x / side, y / side);
+        let base = match self.last.take() {
+            Some((last, base)) if last == at => base,
+            _ => self.find(at)?,
+        };
+        Ok(&self.last.insert((at, base)).1)
+    }
+
+    fn find(&mut self, at: (i32, i32)) -> Result<Arc<Base>, FormatError> {
         if self.row != Some(at.1) {
             self.row = Some(at.1);
             self.held.clear();
         }
         Ok(match self.held.entry(at.0) {
-            Entry::Occupied(held) => held.into_mut(),
-            Entry::Vacant(free) => free.insert(match self.summaries.blocks.get(&at) {
+            Entry::Occupied(held) => Arc::clone(held.get()),
+            Entry::Vacant(free) => Arc::clone(free.insert(match self.summaries.blocks.get(&at) {
                 Some(block) => Arc::clone(block),
                 None => Arc::new(self.summaries.interpolated(at)?),
-            }),
+            })),
         })
     }
 }
