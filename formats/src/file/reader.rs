@@ -5,7 +5,7 @@ use std::path::Path;
 
 use memmap2::Mmap;
 
-use super::header::{HEADER_BYTES, array};
+use super::header::HEADER_BYTES;
 use super::index::ENTRY_BYTES;
 use super::section::{INDEX, MAX_SECTIONS, MESH, META, ROW_BYTES, Section, TILES};
 use super::writer::{TAIL_BYTES, tail};
@@ -41,7 +41,7 @@ impl Relief {
             return Err(FormatError::damaged("no room for the sections that the header counts"));
         }
         let tail_at = map.len() - TAIL_BYTES;
-        if map[tail_at..] != tail(&header) {
+        if map[tail_at..] != tail(&map[..HEADER_BYTES], header.file_bytes) {
             return Err(FormatError::damaged("the tail does not match the header"));
         }
         let table = &map[HEADER_BYTES..HEADER_BYTES + rows];
@@ -61,6 +61,9 @@ impl Relief {
         }
         if meta.len() as u64 > Metadata::MAX_BYTES {
             return Err(FormatError::damaged("the metadata is larger than any can be"));
+        }
+        if sections.iter().any(|s| s.kind == META && *blake3::hash(&map[range_of(s)]).as_bytes() != s.hash) {
+            return Err(FormatError::damaged("the metadata's checksum does not match"));
         }
         let metadata = Metadata::decode(&map[meta])?;
         adopt_names(&mut header.body, &metadata.body)?;
@@ -132,7 +135,8 @@ impl Relief {
         (0..self.tile_count()).map(|n| self.entry(n))
     }
 
-    /// The entry of a tile, or none when the file has no such tile.
+    /// The entry of a tile, or none when the file has no such tile. Every entry on the way is
+    /// checked, so a damaged one is an error and never looks like an absent tile.
     pub fn find(&self, key: TileKey) -> Result<Option<Entry>, FormatError> {
         if !self.grid().contains(key) {
             return Err(FormatError::Request(format!("no tile ({}, {}) at level {}", key.x, key.y, key.level)));
@@ -141,12 +145,11 @@ impl Relief {
         let (mut low, mut high) = (0, self.tile_count());
         while low < high {
             let middle = low.midpoint(high);
-            let at = self.index.start + middle * ENTRY_BYTES;
-            let found = u64::from_le_bytes(array(&self.map, at));
-            match found.cmp(&wanted) {
+            let entry = self.entry(middle)?;
+            match Entry::sort_key(entry.key).cmp(&wanted) {
                 std::cmp::Ordering::Less => low = middle + 1,
                 std::cmp::Ordering::Greater => high = middle,
-                std::cmp::Ordering::Equal => return self.entry(middle).map(Some),
+                std::cmp::Ordering::Equal => return Ok(Some(entry)),
             }
         }
         Ok(None)

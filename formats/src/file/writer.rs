@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use super::header::{HEADER_BYTES, MAGIC};
+use super::header::{HASH_AT as HEADER_HASH_AT, HEADER_BYTES, MAGIC};
 use super::index::{ENTRY_BYTES, content_id};
 use super::section::{self, INDEX, MESH, META, ROW_BYTES, Section, TILES};
 use super::{Entry, FormatError, Header, Metadata};
@@ -137,23 +137,25 @@ fn write_all(
         table_hash: *blake3::hash(&rows).as_bytes(),
     };
     header.content_id = content_id(&header.identity_bytes(), placed.iter());
-    out.write_all(&tail(&header))?;
+    let head = header.encode();
+    out.write_all(&tail(&head, header.file_bytes))?;
     out.seek(SeekFrom::Start(0))?;
-    out.write_all(&header.encode())?;
+    out.write_all(&head)?;
     out.write_all(&rows)?;
     out.flush()?;
     Ok(header)
 }
 
-/// The last 64 bytes: the signature backwards, the file's size, the header's checksum, zeros.
+/// The last 64 bytes of a file with these header bytes: the signature backwards, the file's size,
+/// the header's checksum, zeros.
 #[must_use]
-pub fn tail(header: &Header) -> [u8; TAIL_BYTES] {
+pub(super) fn tail(header: &[u8], file_bytes: u64) -> [u8; TAIL_BYTES] {
     let mut bytes = [0; TAIL_BYTES];
     for (to, from) in bytes.iter_mut().zip(MAGIC.iter().rev()) {
         *to = *from;
     }
-    bytes[8..16].copy_from_slice(&header.file_bytes.to_le_bytes());
-    bytes[16..48].copy_from_slice(&header.encode()[224..]);
+    bytes[8..16].copy_from_slice(&file_bytes.to_le_bytes());
+    bytes[16..48].copy_from_slice(&header[HEADER_HASH_AT..]);
     bytes
 }
 
