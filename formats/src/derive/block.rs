@@ -61,6 +61,9 @@ pub struct Block {
     pub next: Base,
 }
 
+/// Tells whether the tile of a level that owns a node is absent; see [`derive_block`].
+pub type Absent<'a> = dyn Fn(u32, i32, i32) -> bool + 'a;
+
 /// Nodes, cells and codes of padding, in units of the base level, that `levels` levels need.
 #[must_use]
 pub const fn padding(levels: u32) -> i32 {
@@ -69,11 +72,14 @@ pub const fn padding(levels: u32) -> i32 {
 
 /// The planes of `levels` levels from `base.level` on, over `core`, cells of the base level.
 ///
+/// `absent(k, x, y)` says whether the file lacks the level-k tile that owns level-k node (x, y):
+/// there the filtered height of level k + 1 is the node itself. `None`: all tiles are present.
+///
 /// # Panics
 /// When core's corner or size is not a multiple of 2^`levels` cells, `levels` is 0, or the base
 /// (all but the core's extremes) does not cover `core.expand(padding(levels))`.
 #[must_use]
-pub fn derive_block(base: Base, core: Window, levels: u32) -> Block {
+pub fn derive_block(base: Base, core: Window, levels: u32, absent: Option<&Absent<'_>>) -> Block {
     let step = 1i32 << levels;
     assert!(levels > 0, "at least one level");
     assert!(
@@ -118,6 +124,9 @@ pub fn derive_block(base: Base, core: Window, levels: u32) -> Block {
         // The filter eats one node a level: 2^l - 1 wide at first, half of it rounded down later.
         let mut filtered = Field::new(coarse.nodes().expand(border as i32));
         mip_into(&mip, filtered.window(), filtered.data_mut());
+        if let Some(absent) = absent {
+            unfilter(&mut filtered, &nodes[index], |x, y| absent(k, 2 * x, 2 * y));
+        }
         codes = Some(centres(&plane));
         nodes.push(nodes[index].decimate());
         intervals.push(Some(interval));
@@ -136,6 +145,19 @@ pub fn derive_block(base: Base, core: Window, levels: u32) -> Block {
     };
     let nodes = nodes.pop().map_or_else(|| Field::new(top.nodes()), |n| n.crop(top.nodes()));
     Block { levels: out, next: Base { level: first + levels, nodes, mip: mip.crop(top.nodes()), below } }
+}
+
+/// Puts nodes in place of filtered heights where `absent` says so; `finer` has the nodes at twice
+/// the indices.
+fn unfilter(filtered: &mut Field<i32>, finer: &Field<i32>, absent: impl Fn(i32, i32) -> bool) {
+    let window = filtered.window();
+    for (y, row) in (window.y0..).zip(filtered.data_mut().chunks_exact_mut(window.nx)) {
+        for (x, value) in (window.x0..).zip(row) {
+            if absent(x, y) {
+                *value = finer.at(2 * x, 2 * y);
+            }
+        }
+    }
 }
 
 /// A window of base-level cells, in cells `levels` levels up.

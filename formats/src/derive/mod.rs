@@ -27,7 +27,7 @@ pub mod mip;
 #[cfg(test)]
 mod oracle;
 
-pub use block::{Base, Block, LevelPlanes, derive_block, padding};
+pub use block::{Absent, Base, Below, Block, LevelPlanes, derive_block, padding};
 pub use code::{decode_deviation, encode_deviation};
 pub use field::{Field, Window};
 pub use local::local_deviation;

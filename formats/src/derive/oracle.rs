@@ -149,7 +149,7 @@ impl<'a> Truth<'a> {
 /// level, the mean ratio of decoded to true deviations over nodes whose true one exceeds 1 unit.
 pub(super) fn judge(heights: &Heights, core: Window, levels: u32) -> Vec<f64> {
     let base = Base { level: 0, nodes: heights.clone(), mip: heights.clone(), below: None };
-    let block = derive_block(base, core, levels);
+    let block = derive_block(base, core, levels, None);
     let mut truth = Truth::new(heights);
     block.levels.iter().map(|plane| ratio(plane.level, &plane.deviations, &mut truth)).collect()
 }
