@@ -1,9 +1,11 @@
 //! Writes the golden files of the format: `cargo run --release -p relief-formats --example golden`.
 //!
 //! The files of a released version are written once and read for ever: run this only to add files
-//! for a new version, and commit what it writes into tests/golden (or the folder given).
+//! for a new version, and commit what it writes into tests/golden/VERSION (or the folder given). Each
+//! FILE.relief comes with FILE.txt, the lines that every reader must find in it.
 
 mod map;
+mod samples;
 mod terrain;
 
 use std::collections::BTreeMap;
@@ -12,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use relief_formats::body::Body;
 use relief_formats::file::writer::{FileSpec, write};
-use relief_formats::file::{Entry, Metadata};
+use relief_formats::file::{Entry, Metadata, Relief};
 use relief_formats::grid::Grid;
 use relief_formats::mesh::{self, MeshLayout, patch_mesh};
 use relief_formats::tile::TileKey;
@@ -76,12 +78,14 @@ fn all() -> [Golden; 4] {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden");
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden/1.0");
     let folder = std::env::args_os().nth(1).map_or(default, PathBuf::from);
     std::fs::create_dir_all(&folder)?;
     for golden in all() {
         let path = folder.join(golden.name).with_extension("relief");
         write_one(&golden, &path)?;
+        let lines = samples::lines(&Relief::open(&path)?)?;
+        std::fs::write(path.with_extension("txt"), lines.join("\n") + "\n")?;
         println!("{} {} bytes", path.display(), std::fs::metadata(&path)?.len());
     }
     Ok(())
@@ -125,5 +129,5 @@ fn write_one(golden: &Golden, path: &Path) -> Result<(), Box<dyn Error>> {
         tiles[k].planes.iter().for_each(|plane| out.extend_from_slice(plane));
         Ok(())
     })?;
-    Ok(())
+    map.compare(&Relief::open(path)?)
 }

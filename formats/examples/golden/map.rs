@@ -1,13 +1,16 @@
 //! A small map held whole: its nodes, what follows from them, and its tiles.
 
 use std::collections::BTreeSet;
+use std::error::Error;
 
 use relief_formats::codec::nodes::{HALF, interpolate};
 use relief_formats::derive::extremes::Extremes;
 use relief_formats::derive::{Base, Field, LevelPlanes, Window, derive_block, padding};
+use relief_formats::file::Relief;
 use relief_formats::grid::Grid;
 use relief_formats::tile::{TILE_CELLS, TILE_NODES, TileKey};
 use relief_formats::tile_planes::{EncodedTile, TileSamples, encode};
+use relief_formats::tiles::Tiles;
 
 use crate::terrain::{Kind, filled, height_q};
 
@@ -102,6 +105,21 @@ impl Map {
         let base = Base { level: 0, mip: nodes.clone(), nodes, below: None };
         let planes = derive_block(base, core, levels, Some(&|k, i, j| self.is_absent(k, i, j))).levels;
         self.present.iter().map(|&key| self.tile(key, &planes)).collect()
+    }
+
+    /// Compares the nodes of every tile that a file has or has not with the map.
+    pub fn compare(&self, relief: &Relief) -> Result<(), Box<dyn Error>> {
+        let tiles = Tiles::new(relief, 0);
+        for level in 0..=self.grid.root_level() {
+            for (y, x) in (0..self.grid.tiles_y(level)).flat_map(|y| (0..self.grid.tiles_x(level)).map(move |x| (y, x))) {
+                let nodes = tiles.nodes(TileKey::new(level, x, y))?;
+                let at = |k: usize| (corner(x) + (k % TILE_NODES) as i32, corner(y) + (k / TILE_NODES) as i32);
+                if let Some(k) = (0..nodes.len()).find(|&k| nodes[k] != self.node(level, at(k).0, at(k).1)) {
+                    return Err(format!("level {level}: node {:?} differs", at(k)).into());
+                }
+            }
+        }
+        Ok(())
     }
 
     fn tile(&self, key: TileKey, planes: &[LevelPlanes]) -> EncodedTile {
