@@ -228,7 +228,10 @@ mod tests {
         fn floats<const N: usize>(&self, attribute: &str) -> Vec<[f32; N]> {
             let number = self.json["meshes"][0]["primitives"][0]["attributes"][attribute].as_u64().unwrap();
             let accessor = &self.json["accessors"][number as usize];
-            assert_eq!((accessor["componentType"].as_u64(), accessor["type"].as_str().unwrap()), (Some(5126), &*format!("VEC{N}")));
+            assert_eq!(
+                (accessor["componentType"].as_u64(), accessor["type"].as_str().unwrap()),
+                (Some(5126), &*format!("VEC{N}"))
+            );
             let words = self.view(&accessor["bufferView"]).as_chunks().0.iter().map(|&b| f32::from_le_bytes(b));
             let values: Vec<[f32; N]> = words.collect::<Vec<_>>().as_chunks().0.to_vec();
             assert_eq!(values.len() as u64, accessor["count"].as_u64().unwrap());

@@ -19,8 +19,12 @@ pub fn publish(path: &Path, write: impl FnOnce(&mut BufWriter<&File>) -> io::Res
     let failed = |action: &'static str, path: &Path, error: io::Error| {
         let remedy = match error.kind() {
             io::ErrorKind::NotFound => "create the folder, or name another".into(),
-            io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "choose a folder that can be written".into(),
-            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "free some space, or choose another disk".into(),
+            io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+                "choose a folder that can be written".into()
+            }
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                "free some space, or choose another disk".into()
+            }
             _ => "choose another output path".into(),
         };
         ToolError::Io { action, path: PathBuf::from(path), error, remedy }
@@ -36,9 +40,7 @@ pub fn publish(path: &Path, write: impl FnOnce(&mut BufWriter<&File>) -> io::Res
     let mut buffer = BufWriter::new(temporary.as_file());
     let written = write(&mut buffer).and_then(|()| buffer.flush());
     drop(buffer);
-    written
-        .and_then(|()| temporary.as_file().sync_all())
-        .map_err(|error| failed("cannot write", path, error))?;
+    written.and_then(|()| temporary.as_file().sync_all()).map_err(|error| failed("cannot write", path, error))?;
     temporary.persist(path).map_err(|error| failed("cannot rename to", path, error.error))?;
     File::open(folder).and_then(|folder| folder.sync_all()).map_err(|error| failed("cannot sync", folder, error))
 }

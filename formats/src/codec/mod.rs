@@ -36,3 +36,9 @@ pub enum CodecError {
     #[error("the samples do not match their checksum")]
     Digest,
 }
+
+/// Version of the zstd library that is built in: 10000 major + 100 minor + patch.
+#[must_use]
+pub fn zstd_version_number() -> u32 {
+    zstd::zstd_safe::version_number()
+}

@@ -5,10 +5,11 @@
 //! neighbours (wrapped at the seam, mirrored over the poles, or the edge repeated). A first stage
 //! starts from level 0; a second one starts at the level where the first ended, from its summaries.
 
-use super::deviation::{Sources, centres, deviations, sample_level};
+use super::deviation::{CellDistances, Sources, cell_distances, centres, deviations};
 use super::extremes::{Extremes, extremes_from_nodes, extremes_next};
 use super::field::{Field, Window};
-use super::interval::{Interval, interval_next};
+use super::interval::{Interval, intervals_into};
+use super::lanes::SPAN;
 use super::mip::mip_into;
 
 /// What is known at the level where a stage starts, and what a stage hands on. All windows but
@@ -19,8 +20,8 @@ pub struct Base {
     pub level: u32,
     /// Nodes of the level, in height units.
     pub nodes: Field<i32>,
-    /// Filtered heights at the same nodes; at level 0 the nodes themselves.
-    pub mip: Field<i32>,
+    /// Filtered heights at the same nodes; `None` at level 0, where they are the nodes themselves.
+    pub mip: Option<Field<i32>>,
     /// What lies below, unless this is level 0.
     pub below: Option<Below>,
 }
@@ -34,18 +35,24 @@ pub struct Below {
     pub extremes: Field<Extremes>,
     /// Deviation codes of level - 1 at the centres of the level's cells.
     pub centres: Field<u8>,
+    /// Distances of levels `level`, `level` + 1, ..., one entry for each cell of the level above
+    /// it. Three, if the stage below could have them (its core divides by 2^(levels + 3));
+    /// without them the nodes of `level` must do, and the bounds are looser. Entries outside the map
+    /// may be 0, as may those of `intervals` and `centres`.
+    pub distances: Vec<Field<CellDistances>>,
 }
 
-/// The planes of one level over a block's core, which has X x Y cells at this level.
+/// The planes of one level over a block's core. All but `extremes` reach beyond it, into what is
+/// left of the padding: not a bound of anything there, for the caller to crop.
 #[derive(Clone, Debug)]
 pub struct LevelPlanes {
     /// The level.
     pub level: u32,
-    /// (X + 1) x (Y + 1) nodes.
+    /// The nodes.
     pub nodes: Field<i32>,
-    /// Filtered heights at these nodes.
-    pub mip: Field<i32>,
-    /// H_ext, X/2 x Y/2 cells.
+    /// Filtered heights; `None` at level 0, where they are the nodes themselves.
+    pub mip: Option<Field<i32>>,
+    /// H_ext, for the core's cells of the next coarser level.
     pub extremes: Field<Extremes>,
     /// Deviation codes at the nodes, 0 at (even, even) ones.
     pub deviations: Field<u8>,
@@ -87,64 +94,92 @@ pub fn derive_block(base: Base, core: Window, levels: u32, absent: Option<&Absen
         "core {core:?} is not made of whole cells {levels} levels up"
     );
     let first = base.level;
-    let (mut intervals, mut extremes, mut codes) = match base.below {
-        Some(below) => (vec![Some(below.intervals)], Some(below.extremes), Some(below.centres)),
-        None => (vec![None], None, None),
+    let (mut intervals, lowest, mut centre_codes, known) = match base.below {
+        Some(below) => (vec![Some(below.intervals)], Some(below.extremes), Some(below.centres), below.distances),
+        None => (vec![None], None, None, Vec::new()),
     };
-    let (mut nodes, mut mip) = (vec![base.nodes], base.mip);
-    let mut out = Vec::with_capacity(levels as usize);
+    let mut nodes = vec![base.nodes];
+    let mut mips = vec![base.mip];
+    let mut extremes: Vec<Field<Extremes>> = Vec::new();
+    let mut codes = Vec::new();
     for index in 0..levels as usize {
-        let k = first + index as u32;
-        let cells = shift(core, index);
         let coarse = shift(core, index + 1);
-        // Each level's codes are the children of the next one's on a border of one cell more.
+        // Each level's codes are the children of the next one's on a border of one cell more; the
+        // filter, too, eats one node a level.
         let border = (1 << (levels as usize - 1 - index)) - 1;
-        let sample = (sample_level(k, first) - first) as usize;
-        let sources = Sources {
-            nodes: &nodes[sample],
-            intervals: intervals[sample].as_ref(),
-            children: codes.as_ref(),
-            span: (index - sample) as u32,
-        };
+        let sources = sources(index, &nodes, &intervals, &known, centre_codes.as_ref());
         let plane = deviations(&sources, coarse.expand(border));
+        centre_codes = Some(centres(&plane));
+        codes.push(plane);
         let mut ext = Field::new(coarse);
-        match &extremes {
+        match extremes.last().or(lowest.as_ref()) {
             Some(finer) => extremes_next(finer, coarse, ext.data_mut()),
             None => extremes_from_nodes(&nodes[index], coarse, ext.data_mut()),
         }
-        out.push(LevelPlanes {
-            level: k,
-            nodes: nodes[index].crop(cells.nodes()),
-            mip: mip.crop(cells.nodes()),
-            extremes: ext.clone(),
-            deviations: plane.crop(cells.nodes()),
-        });
+        extremes.push(ext);
         let mut interval = Field::new(coarse.expand(padding(levels) >> (index + 1)));
-        interval_next(&nodes[index], intervals[index].as_ref(), interval.window(), interval.data_mut());
-        // The filter eats one node a level: 2^l - 1 wide at first, half of it rounded down later.
-        let mut filtered = Field::new(coarse.nodes().expand(border as i32));
-        mip_into(&mip, filtered.window(), filtered.data_mut());
-        if let Some(absent) = absent {
-            unfilter(&mut filtered, &nodes[index], |x, y| absent(k, 2 * x, 2 * y));
-        }
-        codes = Some(centres(&plane));
-        nodes.push(nodes[index].decimate());
+        let finer = (index + 1).saturating_sub(SPAN as usize);
+        let span = (index + 1 - finer) as u32;
+        intervals_into(&nodes[finer], intervals[finer].as_ref(), span, interval.window(), interval.data_mut());
         intervals.push(Some(interval));
-        (mip, extremes) = (filtered, Some(ext));
-        if sample > 0 {
-            // Nothing coarser looks at these again.
-            nodes[sample - 1] = Field::new(Window::new(0, 0, 0, 0));
-            intervals[sample - 1] = None;
+        let mut filtered = Field::new(coarse.nodes().expand(border));
+        mip_into(mips[index].as_ref().unwrap_or(&nodes[index]), filtered.window(), filtered.data_mut());
+        if let Some(absent) = absent {
+            unfilter(&mut filtered, &nodes[index], |x, y| absent(first + index as u32, 2 * x, 2 * y));
         }
+        mips.push(Some(filtered));
+        nodes.push(nodes[index].decimate());
     }
+    // The next stage has no finer nodes than its first level's: what those cannot show.
+    let whole = |up: usize| (core.x0 | core.y0 | core.nx as i32 | core.ny as i32).trailing_zeros() as usize >= up;
+    let handed = (levels as usize..)
+        .take(SPAN as usize)
+        .take_while(|&index| whole(index + 1))
+        .map(|index| cell_distances(&sources(index, &nodes, &intervals, &known, None), shift(core, index + 1)));
+    let handed = handed.collect();
     let top = shift(core, levels as usize);
-    let crop = |f: Option<Option<Field<Interval>>>| f.flatten().map(|f| f.crop(top));
-    let below = match (crop(intervals.pop()), extremes, codes) {
-        (Some(intervals), Some(extremes), Some(codes)) => Some(Below { intervals, extremes, centres: codes.crop(top) }),
+    let below = match (intervals.pop().flatten(), extremes.last(), centre_codes) {
+        (Some(intervals), Some(extremes), Some(codes)) => Some(Below {
+            intervals: intervals.crop(top),
+            extremes: extremes.clone(),
+            centres: codes.crop(top),
+            distances: handed,
+        }),
         _ => None,
     };
-    let nodes = nodes.pop().map_or_else(|| Field::new(top.nodes()), |n| n.crop(top.nodes()));
-    Block { levels: out, next: Base { level: first + levels, nodes, mip: mip.crop(top.nodes()), below } }
+    let next = Base {
+        level: first + levels,
+        nodes: nodes[levels as usize].crop(top.nodes()),
+        mip: mips[levels as usize].as_ref().map(|m| m.crop(top.nodes())),
+        below,
+    };
+    let planes = nodes.into_iter().zip(mips).zip(extremes.into_iter().zip(codes));
+    let levels = (first..).zip(planes).map(|(level, ((nodes, mip), (extremes, deviations)))| LevelPlanes {
+        level,
+        nodes,
+        mip,
+        extremes,
+        deviations,
+    });
+    Block { levels: levels.collect(), next }
+}
+
+/// Where the deviations of level base + `index` come from.
+fn sources<'a>(
+    index: usize,
+    nodes: &'a [Field<i32>],
+    intervals: &'a [Option<Field<Interval>>],
+    known: &'a [Field<CellDistances>],
+    children: Option<&'a Field<u8>>,
+) -> Sources<'a> {
+    let sample = index.saturating_sub(SPAN as usize);
+    Sources {
+        nodes: &nodes[sample],
+        intervals: intervals[sample].as_ref(),
+        children,
+        span: (index - sample) as u32,
+        distances: known.get(index),
+    }
 }
 
 /// Puts nodes in place of filtered heights where `absent` says so; `finer` has the nodes at twice

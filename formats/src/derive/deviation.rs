@@ -8,17 +8,17 @@
 //! triangles, heights along the normal and T planar in (column, row, height), and it is saturated:
 //! not below those of the (up to four) nodes that halve the triangles' children.
 
-use super::code::encode_sixteenths;
-use super::field::{Field, Window};
-use super::interval::Interval;
-use super::kernel::{CellRow, SPAN, Scratch, cell_row};
+use multiversion::multiversion;
 
-/// The level whose nodes stand for S_0 in deviations of level `k`, where level `base` is the
-/// finest at hand.
-#[must_use]
-pub fn sample_level(k: u32, base: u32) -> u32 {
-    k.saturating_sub(SPAN).max(base)
-}
+use super::code::encode_sixteenths;
+use super::distances::CellRow;
+use super::field::{Field, Window};
+use super::finest::Rows;
+use super::interval::Interval;
+use super::kernel::general_row;
+use super::lanes::{SPAN, Scratch};
+
+pub use super::distances::CellDistances;
 
 /// What the deviations of a level k are made from.
 #[derive(Clone, Copy)]
@@ -32,6 +32,44 @@ pub struct Sources<'a> {
     pub children: Option<&'a Field<u8>>,
     /// k - g, 0 to 3.
     pub span: u32,
+    /// The distances of level k worked out before, for each cell of level k + 1; then `nodes` and
+    /// `intervals` are not looked at.
+    pub distances: Option<&'a Field<CellDistances>>,
+}
+
+/// The distances of level k in each cell of `window`, cells of level k + 1, from what lies in the
+/// cells alone: a stage hands them on where the next one has too coarse nodes of its own.
+///
+/// # Panics
+/// When a source does not reach far enough.
+#[must_use]
+pub fn cell_distances(sources: &Sources<'_>, window: Window) -> Field<CellDistances> {
+    sources.check(window);
+    let mut out = Field::new(window);
+    let mut distances = Distances::new(sources, window, false);
+    let mut row = CellRow::new(window.nx + 2);
+    for (y, out) in (window.y0..).zip(out.data_mut().chunks_exact_mut(window.nx.max(1))) {
+        distances.fill(y, &mut row);
+        for (i, out) in (1..).zip(out) {
+            *out = row.get(i);
+        }
+    }
+    out
+}
+
+impl Sources<'_> {
+    /// Panics unless distances can be had for all of `cells`.
+    fn check(&self, cells: Window) {
+        if let Some(distances) = self.distances {
+            assert!(distances.window().contains(&cells), "distances are needed in {cells:?}");
+            return;
+        }
+        let up = self.span + 1;
+        let fine = Window::new(cells.x0 << up, cells.y0 << up, cells.nx << up, cells.ny << up);
+        assert!(self.span <= SPAN, "nodes at most {SPAN} levels below");
+        assert!(self.nodes.window().contains(&fine.nodes()), "the triangles reach the nodes of {fine:?}");
+        assert!(self.intervals.is_none_or(|f| f.window().contains(&fine)), "the triangles reach the cells {fine:?}");
+    }
 }
 
 /// Saturated codes of level k at the nodes of `cells` (cells of level k + 1): entry (i, j) of
@@ -42,16 +80,7 @@ pub struct Sources<'a> {
 /// # Panics
 /// When `out` has not the length of [`deviation_nodes`] or a source does not reach far enough.
 pub fn deviations_into(sources: &Sources<'_>, cells: Window, out: &mut [u8]) {
-    let ring = cells.expand(1);
-    let nodes = Window::new(
-        ring.x0 << (sources.span + 1),
-        ring.y0 << (sources.span + 1),
-        ring.nx << (sources.span + 1),
-        ring.ny << (sources.span + 1),
-    );
-    assert!(sources.span <= SPAN, "nodes at most {SPAN} levels below");
-    assert!(sources.nodes.window().contains(&nodes.nodes()), "the triangles reach the nodes {nodes:?}");
-    assert!(sources.intervals.is_none_or(|f| f.window().contains(&nodes)), "the triangles reach the cells {nodes:?}");
+    sources.check(cells.expand(1));
     let touching = cells.finer_cells().expand(1);
     assert!(sources.children.is_none_or(|f| f.window().contains(&touching)), "the children lie in {touching:?}");
     assemble(sources, cells, true, out);
@@ -100,72 +129,112 @@ pub(super) fn assemble(sources: &Sources<'_>, cells: Window, ring: bool, out: &m
         out.fill(0);
         return;
     }
-    // Columns of the rows below: one more cell on either side; without a ring these stay 0.
-    let reach = if ring { cells.expand(1) } else { Window { x0: cells.x0, nx: cells.nx, ..cells.expand(1) } };
-    let mut scratch = Scratch::new();
-    let (mut south, mut north) = (CellRow::new(reach.nx), CellRow::new(reach.nx));
-    let mut fill = |y: i32, row: &mut CellRow| {
-        if ring || (cells.y0..cells.y1()).contains(&y) {
-            cell_row(sources.nodes, sources.intervals, sources.span, (reach.x0, y), &mut scratch, row);
-        } else {
-            row.north.fill(0);
-            row.south.fill(0);
-        }
-    };
-    let skip = usize::from(ring);
-    fill(reach.y0, &mut south);
+    let mut distances = Distances::new(sources, cells, ring);
+    // A row has one more cell on either side; without a ring these stay 0.
+    let (mut south, mut north) = (CellRow::new(cells.nx + 2), CellRow::new(cells.nx + 2));
+    distances.fill(cells.y0 - 1, &mut south);
     // out's rows: 2 ny + 1, so pairs from the south and one row left over, the northern border.
     for (y, out) in (cells.y0..).zip(out.chunks_mut(2 * nodes.nx)) {
-        fill(y, &mut north);
+        distances.fill(y, &mut north);
         let (even, odd) = out.split_at_mut(nodes.nx);
-        let inner = skip..skip + cells.nx;
-        let pairs = south.north[inner.clone()].iter().zip(&north.south[inner.clone()]);
-        for (out, (&a, &b)) in even.chunks_mut(2).zip(pairs) {
-            out[0] = 0;
-            out[1] = encode_sixteenths(a.max(b));
-        }
-        even[nodes.nx - 1] = 0;
+        even_row(&south.north, &north.south, even);
         if !odd.is_empty() {
-            odd_row(&north, skip, odd);
+            odd_row(&north, odd);
         }
         std::mem::swap(&mut south, &mut north);
     }
-    saturate(sources.children, nodes, out);
+    if let Some(children) = sources.children {
+        for (y, out) in (nodes.y0..).zip(out.chunks_exact_mut(nodes.nx)) {
+            let below = children.row(y - 1, nodes.x0 - 1, nodes.nx + 1);
+            let above = children.row(y, nodes.x0 - 1, nodes.nx + 1);
+            raise_to_children(below, above, y & 1 == 0, out);
+        }
+    }
+    let mut sides = Vec::new();
+    for y in (1..nodes.ny).step_by(2) {
+        let (below, rest) = out.split_at_mut(y * nodes.nx);
+        let (row, above) = rest.split_at_mut(nodes.nx);
+        sides.clear();
+        sides.extend_from_slice(row);
+        raise_to_sides([&below[(y - 1) * nodes.nx..], &sides, &above[..nodes.nx]], row);
+    }
+}
+
+/// Rows of distances for one window.
+struct Distances<'a> {
+    sources: &'a Sources<'a>,
+    cells: Window,
+    ring: bool,
+    finest: Rows,
+    scratch: Scratch,
+}
+
+impl<'a> Distances<'a> {
+    fn new(sources: &'a Sources<'a>, cells: Window, ring: bool) -> Self {
+        Self { sources, cells, ring, finest: Rows::default(), scratch: Scratch::new() }
+    }
+
+    /// Row y of cells: entry 0 of `out` is the cell west of the window.
+    fn fill(&mut self, y: i32, out: &mut CellRow) {
+        let Sources { nodes, intervals, span, distances, .. } = *self.sources;
+        let Window { x0, nx, .. } = self.cells;
+        let (corner, range) = if self.ring { ((x0 - 1, y), (0, nx + 2)) } else { ((x0, y), (1, nx)) };
+        if !self.ring && !(self.cells.y0..self.cells.y1()).contains(&y) {
+            out.north.fill(0);
+            out.south.fill(0);
+        } else if let Some(distances) = distances {
+            out.set(range.0, distances.row(y, corner.0, range.1));
+        } else if span == 0 && intervals.is_none() {
+            self.finest.cell_row(nodes, corner, range, out);
+        } else {
+            general_row(nodes, intervals, span, corner, range, &mut self.scratch, out);
+        }
+    }
+}
+
+/// Codes of an even row of nodes: nothing and side midpoints by turns.
+#[multiversion(targets("x86_64+avx2"))]
+fn even_row(south: &[i32], north: &[i32], out: &mut [u8]) {
+    for ((out, &s), &n) in out.chunks_exact_mut(2).zip(&south[1..]).zip(&north[1..]) {
+        (out[0], out[1]) = (0, encode_sixteenths(s.max(n)));
+    }
+    if let Some(last) = out.last_mut() {
+        *last = 0;
+    }
 }
 
 /// Codes of an odd row of nodes: side midpoints and centres by turns.
-fn odd_row(row: &CellRow, skip: usize, out: &mut [u8]) {
-    let cells = out.len() / 2;
-    for (i, out) in out.chunks_mut(2).enumerate() {
-        let west = (i + skip).checked_sub(1).map_or(0, |i| row.east[i]);
-        let east = if skip == 1 || i < cells { row.west[i + skip] } else { 0 };
-        out[0] = encode_sixteenths(west.max(east));
-        if let Some(centre) = out.get_mut(1) {
-            *centre = encode_sixteenths(row.centre[i + skip]);
-        }
+#[multiversion(targets("x86_64+avx2"))]
+fn odd_row(row: &CellRow, out: &mut [u8]) {
+    let sides = row.east.iter().zip(&row.west[1..]).map(|(e, w)| *e.max(w));
+    for ((out, side), &centre) in out.chunks_exact_mut(2).zip(sides).zip(&row.centre[1..]) {
+        (out[0], out[1]) = (encode_sixteenths(side), encode_sixteenths(centre));
+    }
+    let n = row.west.len();
+    if let Some(last) = out.last_mut() {
+        *last = encode_sixteenths(row.east[n - 2].max(row.west[n - 1]));
     }
 }
 
-/// Raises sides to their children, the centres of level k - 1, and centres to their sides.
-fn saturate(children: Option<&Field<u8>>, nodes: Window, out: &mut [u8]) {
-    let nx = nodes.nx;
-    if let Some(children) = children {
-        for (y, out) in (nodes.y0..).zip(out.chunks_exact_mut(nx)) {
-            let below = children.row(y - 1, nodes.x0 - 1, nx + 1);
-            let above = children.row(y, nodes.x0 - 1, nx + 1);
-            let pairs = below.windows(2).zip(above.windows(2));
-            // The window starts at an even node: sides are odd in one index only.
-            for (code, (b, a)) in out.iter_mut().zip(pairs).skip(usize::from(y & 1 == 0)).step_by(2) {
-                *code = (*code).max(b[0]).max(b[1]).max(a[0]).max(a[1]);
-            }
-        }
+/// Raises a row's side midpoints to their children, the centres of level k - 1 in the four cells
+/// of level k about them. Centres in an odd row are raised too: their sides have the same children.
+#[multiversion(targets("x86_64+avx2"))]
+fn raise_to_children(below: &[u8], above: &[u8], even: bool, out: &mut [u8]) {
+    let n = out.len();
+    let [b0, b1, a0, a1] = [&below[..n], &below[1..=n], &above[..n], &above[1..=n]];
+    for i in 0..n {
+        let raised = out[i].max(b0[i]).max(b1[i]).max(a0[i]).max(a1[i]);
+        let new = !even || i & 1 == 1;
+        out[i] = if new { raised } else { 0 };
     }
-    for y in (1..nodes.ny).step_by(2) {
-        let (below, rest) = out.split_at_mut(y * nx);
-        let (row, above) = rest.split_at_mut(nx);
-        let below = &below[(y - 1) * nx..];
-        for x in (1..nx).step_by(2) {
-            row[x] = row[x].max(row[x - 1]).max(row[x + 1]).max(below[x]).max(above[x]);
-        }
+}
+
+/// Raises a row's centres to their four sides.
+#[multiversion(targets("x86_64+avx2"))]
+fn raise_to_sides(rows: [&[u8]; 3], out: &mut [u8]) {
+    let [below, sides, above] = rows;
+    let pairs = below.chunks_exact(2).zip(above.chunks_exact(2));
+    for ((out, (b, a)), s) in out.chunks_exact_mut(2).zip(pairs).zip(sides.windows(3).step_by(2)) {
+        out[1] = out[1].max(s[0]).max(s[2]).max(b[1]).max(a[1]);
     }
 }

@@ -16,117 +16,41 @@
 use multiversion::multiversion;
 
 use super::code::MAX_SIXTEENTHS;
+use super::distances::CellRow;
 use super::field::Field;
 use super::interval::Interval;
+use super::lanes::{LANES, Lanes, N, Scratch, spread, spread_intervals};
 
-/// Cells worked on at once: the arrays' innermost index, so that a compiler vectorises over it.
-const LANES: usize = 16;
-/// Levels between the nodes that are looked at and the level of a deviation, at most.
-pub(super) const SPAN: u32 = 3;
-/// n at most.
-const N: usize = 1 << SPAN;
-
-type Lanes = [i32; LANES];
-
-/// The largest distances of a row of cells of level k + 1, in sixteenths of a unit, not saturated.
-pub(super) struct CellRow {
-    /// Over the two triangles that share the cell's diagonal.
-    pub centre: Vec<i32>,
-    /// Over the triangle on the cell's southern side, apex at its centre.
-    pub south: Vec<i32>,
-    /// The same on the northern side.
-    pub north: Vec<i32>,
-    /// The same on the western side.
-    pub west: Vec<i32>,
-    /// The same on the eastern side.
-    pub east: Vec<i32>,
-}
-
-impl CellRow {
-    pub(super) fn new(cells: usize) -> Self {
-        let zeros = vec![0; cells];
-        Self { centre: zeros.clone(), south: zeros.clone(), north: zeros.clone(), west: zeros.clone(), east: zeros }
-    }
-}
-
-/// The arrays of one run of [`LANES`] cells, reused from run to run.
-pub(super) struct Scratch {
-    /// Node heights, [row][column][cell].
-    nodes: Box<[[Lanes; 2 * N + 1]; 2 * N + 1]>,
-    /// Lower bounds of S_0 - S_g, [row][column][cell].
-    lo: Box<[[Lanes; 2 * N]; 2 * N]>,
-    /// Upper bounds.
-    hi: Box<[[Lanes; 2 * N]; 2 * N]>,
-    /// One quadrant's 16 (S_g - T) at its nodes, for the sides' mesh.
-    side: Box<[[Lanes; N + 1]; N + 1]>,
-    /// The same for the centre's mesh.
-    centre: Box<[[Lanes; N + 1]; N + 1]>,
-}
-
-impl Scratch {
-    pub(super) fn new() -> Self {
-        let zero = [0; LANES];
-        Self {
-            nodes: Box::new([[zero; 2 * N + 1]; 2 * N + 1]),
-            lo: Box::new([[zero; 2 * N]; 2 * N]),
-            hi: Box::new([[zero; 2 * N]; 2 * N]),
-            side: Box::new([[zero; N + 1]; N + 1]),
-            centre: Box::new([[zero; N + 1]; N + 1]),
-        }
-    }
-}
-
-/// Fills `out` for the cells (x0.., y) of level k + 1, as many as `out` has, from nodes of level
-/// g = k - `span` and, for g > 0, the intervals of its cells.
-pub(super) fn cell_row(
+/// Fills entries `first..first + cells` of `out` for the cells (x0.., y) of level k + 1 from nodes
+/// of level g = k - `span` and, for g > 0, the intervals of its cells.
+pub(super) fn general_row(
     nodes: &Field<i32>,
     intervals: Option<&Field<Interval>>,
     span: u32,
     (x0, y): (i32, i32),
+    (first, cells): (usize, usize),
     scratch: &mut Scratch,
     out: &mut CellRow,
 ) {
     let size = 2usize << span;
-    let cells = out.centre.len();
-    for first in (0..cells).step_by(LANES) {
-        let count = LANES.min(cells - first);
-        let x = x0 + first as i32;
+    for done in (0..cells).step_by(LANES) {
+        let count = LANES.min(cells - done);
+        let x = x0 + done as i32;
         let (gx, gy) = (x << (span + 1), y << (span + 1));
         for (r, row) in (gy..).zip(&mut scratch.nodes[..=size]) {
             spread(nodes.row(r, gx, count * size + 1), size, row);
         }
         if let Some(intervals) = intervals {
-            for ((r, lo), hi) in (gy..).zip(&mut scratch.lo[..size]).zip(&mut scratch.hi[..size]) {
-                spread_intervals(intervals.row(r, gx, count * size), size, lo, hi);
+            for r in 0..size {
+                spread_intervals(intervals.row(gy + r as i32, gx, count * size), size, r, scratch);
             }
         }
         let run = run(scratch, size / 2, (x ^ y) & 1, intervals.is_some());
-        let range = first..first + count;
+        let range = first + done..first + done + count;
         for (target, values) in
             [&mut out.centre, &mut out.south, &mut out.north, &mut out.west, &mut out.east].into_iter().zip(&run)
         {
             target[range.clone()].copy_from_slice(&values[..count]);
-        }
-    }
-}
-
-/// Deals a row of `size` columns a cell out to the cells' lanes; lanes without a cell keep what
-/// they had, and nobody reads their results.
-#[inline]
-fn spread(row: &[i32], size: usize, out: &mut [Lanes; 2 * N + 1]) {
-    for (lane, cell) in row.windows(size + 1).step_by(size).enumerate() {
-        for (column, &h) in out.iter_mut().zip(cell) {
-            column[lane] = h;
-        }
-    }
-}
-
-#[inline]
-fn spread_intervals(row: &[Interval], size: usize, lo: &mut [Lanes; 2 * N], hi: &mut [Lanes; 2 * N]) {
-    for (lane, cell) in row.chunks_exact(size).enumerate() {
-        for ((lo, hi), interval) in lo.iter_mut().zip(hi.iter_mut()).zip(cell) {
-            lo[lane] = interval.lo;
-            hi[lane] = interval.hi;
         }
     }
 }
@@ -204,30 +128,26 @@ struct Maxima {
 /// Centre, south, north, west, east of each lane's cell.
 #[multiversion(targets("x86_64+avx2"))]
 fn run(scratch: &mut Scratch, n: usize, parity: i32, has_intervals: bool) -> [Lanes; 5] {
-    let mut out = [[0; LANES]; 5];
+    let mut maxima = [[0; LANES]; 5];
     for (east, north) in [(false, false), (true, false), (false, true), (true, true)] {
         let quadrant = Quadrant::new(&scratch.nodes, n, parity, east, north);
         let mut max = Maxima { v1: [0; LANES], v2: [0; LANES], centre: [0; LANES] };
         residuals(scratch, n, &quadrant);
         if has_intervals {
             with_intervals(scratch, n, &quadrant, &mut max);
+            twists::<true>(scratch, n, &quadrant, &mut max);
         } else {
             on_nodes(scratch, n, &mut max);
+            twists::<false>(scratch, n, &quadrant, &mut max);
         }
-        twists(scratch, n, &quadrant, has_intervals, &mut max);
         let (side1, side2) = (1 + usize::from(north), 3 + usize::from(east));
-        for l in 0..LANES {
-            out[0][l] = out[0][l].max(max.centre[l]);
-            out[side1][l] = out[side1][l].max(max.v1[l]);
-            out[side2][l] = out[side2][l].max(max.v2[l]);
+        for (out, max) in [(0, &max.centre), (side1, &max.v1), (side2, &max.v2)] {
+            for (out, max) in maxima[out].iter_mut().zip(max) {
+                *out = (*out).max(*max);
+            }
         }
     }
-    for values in &mut out {
-        for v in values {
-            *v = (*v).min(MAX_SIXTEENTHS);
-        }
-    }
-    out
+    maxima.map(|values| values.map(|v| v.min(MAX_SIXTEENTHS)))
 }
 
 /// 16 (S_g - T) at the quadrant's nodes, for both meshes.
@@ -250,8 +170,8 @@ fn residuals(scratch: &mut Scratch, n: usize, q: &Quadrant) {
                 lift[l] += q.step_centre[l] & rising;
             }
         }
-        for l in 0..LANES {
-            start[l] += q.step_w[l];
+        for (start, step) in start.iter_mut().zip(&q.step_w) {
+            *start += step;
         }
     }
 }
@@ -273,8 +193,39 @@ fn on_nodes(scratch: &Scratch, n: usize, max: &mut Maxima) {
     }
 }
 
+/// Node heights at the corners of cell (u, w) of level g: (u, w), (u + 1, w), (u, w + 1) and
+/// (u + 1, w + 1).
+#[inline(always)]
+fn corners<'a>(
+    nodes: &'a [[Lanes; 2 * N + 1]; 2 * N + 1],
+    n: usize,
+    q: &Quadrant,
+    u: usize,
+    w: usize,
+) -> [&'a Lanes; 4] {
+    let (x, x1) = (q.column(n, u), q.column(n, u + 1));
+    let (y, y1) = (q.row(n, w), q.row(n, w + 1));
+    [&nodes[y][x], &nodes[y][x1], &nodes[y1][x], &nodes[y1][x1]]
+}
+
+/// The same corners of an array over one quadrant.
+#[inline(always)]
+fn four(f: &[[Lanes; N + 1]; N + 1], u: usize, w: usize) -> [&Lanes; 4] {
+    [&f[w][u], &f[w][u + 1], &f[w + 1][u], &f[w + 1][u + 1]]
+}
+
+/// Bounds of 16 (S_0 - T) over a cell that take nothing from S_g: the extremes of S_0 against those
+/// of T, which lie at corners. Tighter than intervals where the ground is rough and T is flat.
+#[inline(always)]
+fn reach(h: [&Lanes; 4], r: [&Lanes; 4], l: usize, min: i32, max: i32) -> (i32, i32) {
+    let t = [0, 1, 2, 3].map(|i| 16 * h[i][l] - r[i][l]);
+    let low = t[0].min(t[1]).min(t[2]).min(t[3]);
+    let high = t[0].max(t[1]).max(t[2]).max(t[3]);
+    (min - high, max - low)
+}
+
 /// The largest residuals where S_0 - S_g is known by intervals: over each cell of level g, the
-/// corners that lie in a triangle, and the interval on top.
+/// corners that lie in a triangle, and the interval on top, but no more than [`reach`] allows.
 #[inline(always)]
 fn with_intervals(scratch: &Scratch, n: usize, q: &Quadrant, max: &mut Maxima) {
     for w in 0..n {
@@ -282,27 +233,28 @@ fn with_intervals(scratch: &Scratch, n: usize, q: &Quadrant, max: &mut Maxima) {
         for u in 0..n {
             let x = q.column(n, u).min(q.column(n, u + 1));
             let (lo, hi) = (&scratch.lo[y][x], &scratch.hi[y][x]);
+            let (min, max_h) = (&scratch.min[y][x], &scratch.max[y][x]);
+            let h = corners(&scratch.nodes, n, q, u, w);
             let (on1, on2) = (-i32::from(u >= w), -i32::from(u <= w));
             let whole = i32::from(u == w) - 1;
-            let s = [&scratch.side[w][u], &scratch.side[w][u + 1], &scratch.side[w + 1][u], &scratch.side[w + 1][u + 1]];
-            let c = [
-                &scratch.centre[w][u],
-                &scratch.centre[w][u + 1],
-                &scratch.centre[w + 1][u],
-                &scratch.centre[w + 1][u + 1],
-            ];
+            let (s, c) = (four(&scratch.side, u, w), four(&scratch.centre, u, w));
             for l in 0..LANES {
                 let (diag_min, diag_max) = (s[0][l].min(s[3][l]), s[0][l].max(s[3][l]));
                 // On the diagonal a half lacks the other half's corner; elsewhere it has all four.
                 let (a, b) = (s[1][l], s[2][l]);
                 let (a2, b1) = ((a & whole) | (s[0][l] & !whole), (b & whole) | (s[0][l] & !whole));
-                let d1 = (diag_max.max(a).max(b1) + hi[l]).max(-(diag_min.min(a).min(b1) + lo[l]));
-                let d2 = (diag_max.max(a2).max(b) + hi[l]).max(-(diag_min.min(a2).min(b) + lo[l]));
+                let (floor, ceiling) = reach(h, s, l, min[l], max_h[l]);
+                let d1 =
+                    (diag_max.max(a).max(b1) + hi[l]).min(ceiling).max(-(diag_min.min(a).min(b1) + lo[l]).max(floor));
+                let d2 =
+                    (diag_max.max(a2).max(b) + hi[l]).min(ceiling).max(-(diag_min.min(a2).min(b) + lo[l]).max(floor));
                 max.v1[l] = max.v1[l].max(d1 & on1);
                 max.v2[l] = max.v2[l].max(d2 & on2);
                 let high = c[0][l].max(c[1][l]).max(c[2][l]).max(c[3][l]);
                 let low = c[0][l].min(c[1][l]).min(c[2][l]).min(c[3][l]);
-                max.centre[l] = max.centre[l].max((high + hi[l]).max(-(low + lo[l])));
+                let (floor, ceiling) = reach(h, c, l, min[l], max_h[l]);
+                let d = (high + hi[l]).min(ceiling).max(-(low + lo[l]).max(floor));
+                max.centre[l] = max.centre[l].max(d);
             }
         }
     }
@@ -310,20 +262,27 @@ fn with_intervals(scratch: &Scratch, n: usize, q: &Quadrant, max: &mut Maxima) {
 
 /// What bilinear cells of level g do on a triangle's slanted edge, between their nodes.
 #[inline(always)]
-fn twists(scratch: &Scratch, n: usize, q: &Quadrant, has_intervals: bool, max: &mut Maxima) {
+fn twists<const INTERVALS: bool>(scratch: &Scratch, n: usize, q: &Quadrant, max: &mut Maxima) {
     for u in 0..n {
-        let (x, x1) = (q.column(n, u), q.column(n, u + 1));
-        let (y, y1) = (q.row(n, u), q.row(n, u + 1));
-        let h = &scratch.nodes;
-        let (lo, hi) = (&scratch.lo[y.min(y1)][x.min(x1)], &scratch.hi[y.min(y1)][x.min(x1)]);
-        let with = -i32::from(has_intervals);
-        let (s0, s1) = (&scratch.side[u][u], &scratch.side[u + 1][u + 1]);
-        let (c0, c1) = (&scratch.centre[u][u], &scratch.centre[u + 1][u + 1]);
+        let (x, y) = (q.column(n, u).min(q.column(n, u + 1)), q.row(n, u).min(q.row(n, u + 1)));
+        let (lo, hi) = (&scratch.lo[y][x], &scratch.hi[y][x]);
+        let (min, max_h) = (&scratch.min[y][x], &scratch.max[y][x]);
+        let h = corners(&scratch.nodes, n, q, u, u);
+        let (s, c) = (four(&scratch.side, u, u), four(&scratch.centre, u, u));
         for l in 0..LANES {
-            let twist = h[y][x][l] + h[y1][x1][l] - h[y][x1][l] - h[y1][x][l];
-            let outer = (if twist < 0 { hi[l] } else { -lo[l] }) & with;
-            let side = bulge(s0[l], s1[l], twist) + outer;
-            let centre = (bulge(c0[l], c1[l], twist) + outer) & q.cut[l];
+            let twist = h[0][l] + h[3][l] - h[1][l] - h[2][l];
+            let mut side = bulge(s[0][l], s[3][l], twist);
+            let mut centre = bulge(c[0][l], c[3][l], twist);
+            if INTERVALS {
+                let outer = if twist < 0 { hi[l] } else { -lo[l] };
+                let limit = |r: [&Lanes; 4]| {
+                    let (floor, ceiling) = reach(h, r, l, min[l], max_h[l]);
+                    if twist < 0 { ceiling } else { -floor }
+                };
+                side = (side + outer).min(limit(s));
+                centre = (centre + outer).min(limit(c));
+            }
+            let centre = centre & q.cut[l];
             max.v1[l] = max.v1[l].max(side);
             max.v2[l] = max.v2[l].max(side);
             max.centre[l] = max.centre[l].max(centre);

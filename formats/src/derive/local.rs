@@ -20,20 +20,22 @@ use super::field::{Field, Window};
 /// - the centre: e = 2 c - (sum of the ends of the cell's diagonal); the largest of 8 |e|, of the
 ///   |16 p - 8 (..)| of the four sides, and, in the two quadrants on the diagonal, of
 ///   E + max(0, 4 |t| - 3 |e|, 2 |t| - |e|), with E = max(0, 8 e) if t < 0, else max(0, -8 e);
-/// - all are sixteenths of a unit, each at most 2^29, coded as in [`super::code`];
+/// - all are sixteenths of a unit; what exceeds 2^29 counts as 2^29. They are coded as in
+///   [`super::code`]: 0 for 0, else with z = 2 x - 1: 1 if z < 4, else 4 e + f + 2 where
+///   e = floor(log2 z) - 2 and f = floor(z / 2^e) - 4;
 /// - last, a centre's code is raised to those of its four sides.
 ///
 /// Returns `side` x `side` codes row by row; (even, even) entries are 0. `None` when `side` is
 /// even or `nodes` has another length.
 #[must_use]
 pub fn local_deviation(nodes: &[i32], side: usize) -> Option<Vec<u8>> {
-    if side % 2 == 0 {
+    if side.is_multiple_of(2) {
         return None;
     }
     let field = Field::from_data(Window::new(0, 0, side, side), nodes.to_vec())?;
     let cells = field.window().cells().coarser_cells();
     let mut out = vec![0; side * side];
-    let sources = Sources { nodes: &field, intervals: None, children: None, span: 0 };
+    let sources = Sources { nodes: &field, intervals: None, children: None, span: 0, distances: None };
     assemble(&sources, cells, false, &mut out);
     Some(out)
 }

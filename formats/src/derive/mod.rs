@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | [`mip`] | filtered heights of level k + 1 | those of level k, one node of padding |
 //! | [`extremes`] | (min, max) of S_0 per cell of level k + 1 | nodes of level 0, or extremes of k - 1 |
-//! | [`interval`] | range of S_0 - S_k per cell of level k | nodes and intervals of level k - 1 |
+//! | [`interval`] | range of S_0 - S_k per cell of level k | nodes and intervals of level max(0, k - 3) |
 //! | [`deviation`] | codes of the nodes new at level k | nodes and intervals of level max(0, k - 3), codes of k - 1 |
 //! | [`local`] | a predictor of those codes | nodes of level k alone |
 //!
@@ -17,15 +17,22 @@
 pub mod block;
 pub mod code;
 pub mod deviation;
+mod distances;
 pub mod extremes;
 pub mod field;
+mod finest;
 pub mod interval;
+mod interval_wide;
 mod kernel;
+mod lanes;
 pub mod local;
 pub mod mip;
+mod parted;
 
 #[cfg(test)]
 mod oracle;
+#[cfg(test)]
+mod tests;
 
 pub use block::{Absent, Base, Below, Block, LevelPlanes, derive_block, padding};
 pub use code::{decode_deviation, encode_deviation};

@@ -58,6 +58,9 @@ pub enum MeshError {
         /// What it must be.
         rule: &'static str,
     },
+    /// The zstd frame around the mesh is damaged, or holds more than a mesh can be.
+    #[error("mesh section: damaged zstd frame")]
+    Frame,
     /// An index that is over-long or names no vertex.
     #[error("mesh section: index {0} is over-long or not below the vertex count")]
     Index(u32),
@@ -93,9 +96,8 @@ pub fn encode(mesh: &PatchMesh) -> Vec<u8> {
 /// # Errors
 /// Anything the module's text says a reader MUST reject.
 pub fn decode(bytes: &[u8]) -> Result<PatchMesh, MeshError> {
-    let (header, rest) = bytes
-        .split_at_checked(HEADER_BYTES)
-        .ok_or(MeshError::Truncated { have: bytes.len(), need: HEADER_BYTES })?;
+    let (header, rest) =
+        bytes.split_at_checked(HEADER_BYTES).ok_or(MeshError::Truncated { have: bytes.len(), need: HEADER_BYTES })?;
     let words = words(header);
     let &[layout, m, columns, rows, index_count, reserved] = words.as_slice() else {
         return Err(MeshError::Truncated { have: bytes.len(), need: HEADER_BYTES });
@@ -134,6 +136,24 @@ pub fn decode(bytes: &[u8]) -> Result<PatchMesh, MeshError> {
     let indices = read_indices(stream, index_count, vertex_count)?;
     Ok(PatchMesh { layout, m, s_axis: self::words(s_bytes), t_axis: self::words(t_bytes), indices })
 }
+
+/// The mesh as a file's section holds it: the bytes of [`encode`] in one zstd frame.
+#[must_use]
+pub fn encode_section(mesh: &PatchMesh) -> Vec<u8> {
+    // Compressing into memory cannot fail; an empty section would be refused by every reader.
+    zstd::bulk::compress(&encode(mesh), 9).unwrap_or_default()
+}
+
+/// Reads a section. Allocates at most [`MAX_SECTION_BYTES`] and what [`decode`] does.
+///
+/// # Errors
+/// A damaged frame, and anything [`decode`] refuses.
+pub fn decode_section(frame: &[u8]) -> Result<PatchMesh, MeshError> {
+    decode(&zstd::bulk::decompress(frame, MAX_SECTION_BYTES).map_err(|_| MeshError::Frame)?)
+}
+
+/// No mesh is larger than this before compression.
+pub const MAX_SECTION_BYTES: usize = 1 << 20;
 
 fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect()
@@ -183,12 +203,18 @@ mod tests {
     fn every_layout_comes_back() {
         let plane = Body::Plane { crs_wkt: String::new(), x0: 0.0, y0: 0.0, dx: 1.0, dy: 1.0 };
         for m in [8, 9, 12, 13, 20] {
-            for (body, layout) in
-                [(Body::earth(), MeshLayout::Aligned), (Body::moon(), MeshLayout::Paper), (plane.clone(), MeshLayout::Aligned)]
-            {
+            for (body, layout) in [
+                (Body::earth(), MeshLayout::Aligned),
+                (Body::moon(), MeshLayout::Paper),
+                (plane.clone(), MeshLayout::Aligned),
+            ] {
                 let mesh = patch_mesh(&body, &Grid::new(m, body.is_plane()), layout);
                 let bytes = encode(&mesh);
-                assert!(bytes.len() < 24 + 4 * 400 + mesh.indices.len() + mesh.indices.len() / 50 + 40, "{}", bytes.len());
+                assert!(
+                    bytes.len() < 24 + 4 * 400 + mesh.indices.len() + mesh.indices.len() / 50 + 40,
+                    "{}",
+                    bytes.len()
+                );
                 assert_eq!(decode(&bytes), Ok(mesh));
             }
         }

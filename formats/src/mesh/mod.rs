@@ -7,9 +7,10 @@
 
 mod check;
 mod codec;
+mod surface;
 
 pub use check::{MeshFault, MeshFinding, check_mesh, check_surface};
-pub use codec::{MAX_CELLS, MeshError, decode, encode};
+pub use codec::{MAX_SECTION_BYTES, decode_section, encode_section, MAX_CELLS, MeshError, decode, encode};
 
 use crate::body::Body;
 use crate::geodesy::{Ellipsoid, T_NORTH, lat_deg, lon_deg};

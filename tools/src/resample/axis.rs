@@ -60,6 +60,12 @@ impl Axis {
         Self { n, first_deg, step_deg, period: None, low, high, extent }
     }
 
+    /// Pixel-corner coordinates of a raster without known directions.
+    pub fn pixels(n: usize) -> Self {
+        let extent = [-0.5, n as f64 - 0.5];
+        Self { n, first_deg: 0.5, step_deg: 1.0, period: None, low: End::Clamp, high: End::Clamp, extent }
+    }
+
     /// Sample coordinate of an angle; none outside the raster.
     pub fn position(&self, angle_deg: f64) -> Option<f64> {
         if let Some(period) = self.period {

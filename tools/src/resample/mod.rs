@@ -5,5 +5,9 @@
 //! the source and the finest level it is sampled at, never from the level asked for.
 
 pub(crate) mod axis;
+mod coverage;
 pub(crate) mod kernel;
+pub(crate) mod lattice;
+pub(crate) mod projection;
+pub(crate) mod scattered;
 pub(crate) mod separable;

@@ -158,7 +158,7 @@ fn fallback(taps: &Taps, slot: usize) -> &[f64] {
 
 /// Height where a tap is void: none if the containing pixel is, else the fallback kernel over
 /// the pixels that are not, their weights made to sum to 1.
-fn beside_voids(patch: &Patch, x: [usize; 3], y: [usize; 3], wx: &[f64], wy: &[f64]) -> f64 {
+pub(crate) fn beside_voids(patch: &Patch, x: [usize; 3], y: [usize; 3], wx: &[f64], wy: &[f64]) -> f64 {
     if patch.pixels[y[2] * patch.nx + x[2]].is_nan() {
         return f64::NAN;
     }

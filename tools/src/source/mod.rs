@@ -1,19 +1,25 @@
 //! Elevation sources: what the user names, opened, understood and sampled onto nodes.
 
-mod crs;
+pub(crate) mod crs;
 mod exr_reader;
+mod fill;
 mod gdal_reader;
+mod geoid;
 mod georef;
 mod heights;
 mod open;
 mod options;
-mod quiet;
+mod place;
+mod plane;
+pub(crate) mod quiet;
 pub(crate) mod raster;
 mod record;
 mod sample;
 
 #[cfg(test)]
 mod tests;
+
+use std::sync::OnceLock;
 
 use relief_formats::body::Body;
 use relief_formats::grid::Grid;
@@ -23,6 +29,7 @@ pub use record::SourceRecord;
 
 use crate::error::ToolError;
 use crate::resample::axis::Axis;
+use crate::resample::projection::Projection;
 
 /// A node without data.
 pub const VOID: u8 = 0;
@@ -70,13 +77,19 @@ struct Source {
     /// Distance between samples, degrees at the equator (plane: level-0 nodes, so 1).
     spacing: f64,
     rule: heights::HeightRule,
+    reference: geoid::Reference,
     record: SourceRecord,
-    poles: [std::sync::OnceLock<(f64, u8)>; 2],
+    /// The mean of the row at the South and at the North Pole.
+    poles: [OnceLock<f64>; 2],
+    /// The raster with its voids interpolated, made when the first void is met.
+    filled: OnceLock<raster::Raster>,
 }
 
 /// How a node's place becomes a place among pixels.
 enum Mapping {
     LonLat { columns: Axis, rows: Axis },
+    Projected(Box<Projection>),
+    Plane(plane::PlanePlace),
 }
 
 /// Opens, understands and orders the inputs. Pixels are read at first use.
@@ -90,10 +103,17 @@ pub fn open_sources(inputs: &[String], options: &SourceOptions) -> Result<Source
 }
 
 impl SourceSet {
-    /// The smallest m whose node spacing at the equator is no coarser than the finest source, at
-    /// least 8; may exceed what a file can have.
+    /// The smallest m whose node spacing at the equator is no coarser than the finest source; on a
+    /// plane the smallest that holds all pixels. At least 8; may exceed what a file can have.
     #[must_use]
     pub fn default_m(&self) -> u32 {
+        let whole = self.sources.iter().find_map(|source| match &source.mapping {
+            Mapping::Plane(place) => Some(place.whole),
+            _ => None,
+        });
+        if let Some((nx, ny)) = whole {
+            return (8..62).find(|m| 1_i64 << m >= nx.max(ny)).unwrap_or(62);
+        }
         let finest = self.sources.iter().map(|source| source.spacing).fold(f64::INFINITY, f64::min);
         (8..32).find(|m| open::no_coarser(180.0 / 2f64.powi(*m), finest)).map_or(32, |m| m as u32)
     }
@@ -127,7 +147,10 @@ impl SourceSet {
     /// multiple; none where there is no sensible one (floats, feet, an added geoid).
     #[must_use]
     pub fn native_step_m(&self) -> Option<f64> {
-        let steps = self.sources.iter().map(|source| source.rule.native_step_m());
+        let steps = self.sources.iter().map(|source| match source.reference {
+            geoid::Reference::Geoid(_) => None,
+            _ => source.rule.native_step_m(),
+        });
         steps.reduce(|a, b| Some(a?.min(b?))).flatten()
     }
 

@@ -1,6 +1,6 @@
 //! From names and options to sources that agree with each other.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use relief_formats::body::Body;
 
@@ -8,12 +8,14 @@ use super::exr_reader::{ExrReader, is_exr, open_exr};
 use super::gdal_reader::{GdalReader, open_band};
 use super::georef::Georef;
 use super::heights::{BandTags, HeightRule};
-use super::options::SourceOptions;
+use super::geoid::{Geoid, plane_reference, reference};
+use super::options::{BodyChoice, Fill, SourceOptions};
+use super::place::on_globe;
+use super::plane::{self, PlanePlace};
 use super::raster::{Raster, Reader};
 use super::record::{SourceRecord, file_name, hash_file};
 use super::{Mapping, Source, SourceSet, quiet};
 use crate::error::ToolError;
-use crate::resample::axis::Axis;
 
 /// `a` is not a larger spacing than `b`, but for the rounding of tags to a part in a thousand.
 pub(super) fn no_coarser(a: f64, b: f64) -> bool {
@@ -49,14 +51,19 @@ pub(super) fn open_all(inputs: &[String], options: &SourceOptions) -> Result<Sou
             "leave --bounds out",
         ));
     }
-    let body = common_body(&opened, options)?;
-    let budget = options.memory_bytes / 3;
-    let shares = shares(&opened, budget);
-    let sources = opened
-        .into_iter()
-        .zip(shares)
-        .map(|(input, share)| place(input, share, &body, options))
-        .collect::<Result<Vec<_>, _>>()?;
+    let (body, mut places) = if options.body == Some(BodyChoice::Plane) {
+        let rasters: Vec<_> = opened.iter().map(|input| (input.path.as_str(), input.size, &input.georef)).collect();
+        let (body, places) = plane::fit(&rasters)?;
+        (body, places.into_iter().map(Some).collect())
+    } else {
+        (common_body(&opened, options)?, vec![None; opened.len()])
+    };
+    let shares = shares(&opened, options)?;
+    let mut geoids = Vec::new();
+    let mut sources = Vec::new();
+    for ((input, share), place) in opened.into_iter().zip(shares).zip(places.drain(..)) {
+        sources.push(finish(input, share, place, &body, options, &mut geoids)?);
+    }
     Ok(SourceSet { body, sources, options: options.clone() })
 }
 
@@ -116,30 +123,72 @@ fn name(body: &Body) -> String {
     }
 }
 
-/// Bytes of pixels each input may hold: all of them, smallest first, while they fit; the rest
-/// share what is left.
-fn shares(opened: &[Opened], budget: u64) -> Vec<u64> {
+/// Bytes of pixels each input may hold: all of them, smallest first, while they fit into a third
+/// of the memory; the rest share what is left.
+///
+/// # Errors
+/// [`ToolError::Usage`] when inputs have to be held whole and do not fit.
+fn shares(opened: &[Opened], options: &SourceOptions) -> Result<Vec<u64>, ToolError> {
+    let budget = options.memory_bytes / 3;
     let bytes = |input: &Opened| input.size.0 as u64 * input.size.1 as u64 * 4;
+    let total: u64 = opened.iter().map(bytes).sum();
+    if options.fill == Fill::Interpolate {
+        // The raster, its filled copy and the pyramid between them: at most half the memory.
+        let needed = 2 * (total * 8).div_ceil(3);
+        if needed > options.memory_bytes {
+            return Err(ToolError::usage(
+                format!("--fill interpolate with {total} bytes of pixels and --memory {}", options.memory_bytes),
+                format!("filling holds the inputs whole, which takes {needed} bytes"),
+                format!("give --memory {needed}, or --fill none or a height"),
+            ));
+        }
+        return Ok(opened.iter().map(bytes).collect());
+    }
     let mut order: Vec<_> = (0..opened.len()).collect();
     order.sort_by_key(|at| bytes(&opened[*at]));
     let (mut left, mut shares) = (budget, vec![0; opened.len()]);
     for (done, at) in order.iter().enumerate() {
+        let input = &opened[*at];
         let fair = left / (opened.len() - done) as u64;
-        shares[*at] = bytes(&opened[*at]).min(fair);
+        shares[*at] = bytes(input).min(fair);
         left -= shares[*at];
+        if matches!(input.format, Format::Exr(_)) && bytes(input) > fair {
+            let needed = 3 * opened.len() as u64 * bytes(input);
+            return Err(ToolError::usage(
+                format!("{}: {} bytes of pixels and --memory {}", input.path, bytes(input), options.memory_bytes),
+                format!("an EXR file is decoded whole, which takes {needed} bytes here"),
+                format!("give --memory {needed}, or convert it to a tiled GeoTIFF"),
+            ));
+        }
     }
-    shares
+    Ok(shares)
 }
 
-fn place(input: Opened, budget: u64, body: &Body, options: &SourceOptions) -> Result<Source, ToolError> {
+/// Places an input and settles what its values mean.
+fn finish(
+    input: Opened,
+    budget: u64,
+    place: Option<PlanePlace>,
+    body: &Body,
+    options: &SourceOptions,
+    geoids: &mut Vec<Arc<Geoid>>,
+) -> Result<Source, ToolError> {
     let Opened { path, size, tags, type_name, driver, georef, format } = input;
     let rule = HeightRule::new(&path, &tags, options, body)?;
+    let (mapping, spacing, reference) = match place {
+        Some(place) => (Mapping::Plane(place), georef.transform[1].abs(), plane_reference(options)?),
+        None => {
+            let (mapping, spacing_deg) = on_globe(&path, size, &georef, body, options)?;
+            let said = georef.crs.as_ref().map(|crs| &crs.vertical);
+            (mapping, spacing_deg, reference(&path, said, body, options, geoids)?)
+        }
+    };
     let reader = match format {
         Format::Gdal(band) => Reader::Gdal(GdalReader::new(&path, *band, rule.clone())),
         Format::Exr(exr) => Reader::Exr(ExrReader::new(&path, &exr, rule.clone())),
     };
     let raster = Raster::new(&path, size, reader, budget, options.threads);
-    let (mapping, spacing) = lon_lat(size, &georef);
+    let (vertical, geoid_blake3) = reference.describe();
     let record = SourceRecord {
         file: file_name(&path),
         blake3: hash_file(&path)?,
@@ -155,21 +204,9 @@ fn place(input: Opened, budget: u64, body: &Body, options: &SourceOptions) -> Re
         radius_removed_m: rule.radius_m,
         nodata: rule.nodata,
         spacing,
-        vertical: String::new(),
-        geoid_blake3: None,
+        vertical,
+        geoid_blake3,
     };
-    Ok(Source { raster, mapping, spacing, rule, record, poles: [const { OnceLock::new() }; 2] })
-}
-
-/// The axes of a raster whose columns are meridians and whose rows are parallels.
-fn lon_lat((nx, ny): (usize, usize), georef: &Georef) -> (Mapping, f64) {
-    let [x0, dx, _, y0, _, dy] = georef.transform;
-    let extent = |n: usize| {
-        let last = n as f64 - 1.0;
-        if georef.node_bounds { [0.0, last] } else { [-0.5, last + 0.5] }
-    };
-    let columns = Axis::longitude(nx, x0 + 0.5 * dx, dx, extent(nx));
-    let rows = Axis::latitude(ny, y0 + 0.5 * dy, dy, extent(ny), columns.period.is_some());
-    let spacing = columns.step_deg.abs().min(rows.step_deg.abs());
-    (Mapping::LonLat { columns, rows }, spacing)
+    let poles = [const { OnceLock::new() }; 2];
+    Ok(Source { raster, mapping, spacing, rule, reference, record, poles, filled: OnceLock::new() })
 }

@@ -11,9 +11,8 @@ use crate::error::ToolError;
 pub(crate) enum Reader {
     Gdal(GdalReader),
     Exr(ExrReader),
-    /// Heights that are there already (tests, geoids).
-    #[cfg_attr(not(test), expect(dead_code, reason = "only tests make rasters out of nothing"))]
-    Ready(Vec<f32>),
+    /// Nowhere: they are there already.
+    Ready,
 }
 
 /// A raster of heights, row 0 first as stored.
@@ -72,9 +71,11 @@ impl Raster {
         }
     }
 
-    /// Bytes that holding the raster whole takes.
-    pub fn whole_bytes(&self) -> u64 {
-        self.width as u64 * self.height as u64 * 4
+    /// A raster of heights that are there already, `size.0` a row.
+    pub fn ready(path: &str, size: (usize, usize), pixels: Vec<f32>) -> Self {
+        let raster = Self::new(path, size, Reader::Ready, u64::MAX, 1);
+        raster.whole.get_or_init(|| Arc::new(pixels));
+        raster
     }
 
     /// Copies the pixels at `rows` x `columns`. A row marked as turned takes its columns half a
@@ -124,7 +125,7 @@ impl Raster {
         let pixels = match &self.reader {
             Reader::Gdal(reader) => self.load(reader)?,
             Reader::Exr(reader) => reader.load()?,
-            Reader::Ready(pixels) => pixels.clone(),
+            Reader::Ready => Vec::new(),
         };
         if pixels.iter().all(|height| height.is_nan()) {
             return Err(ToolError::source(

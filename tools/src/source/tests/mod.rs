@@ -9,6 +9,11 @@ use relief_formats::grid::Grid;
 
 use super::*;
 
+mod files;
+mod meaning;
+mod planes;
+mod positions;
+
 /// A small GeoTIFF in the making.
 struct Tif {
     size: (usize, usize),
@@ -73,6 +78,29 @@ fn given() -> SourceOptions {
     SourceOptions { vertical: Some(Vertical::AsGiven), ..SourceOptions::default() }
 }
 
+/// A folder and a file in it, which go with the folder.
+struct Made {
+    path: String,
+    _folder: tempfile::TempDir,
+}
+
+fn made<T: gdal::raster::GdalType + Copy>(tif: &Tif, value: impl Fn(usize, usize) -> T) -> Made {
+    let folder = tempfile::tempdir().unwrap();
+    Made { path: tif.write(folder.path(), "made.tif", value), _folder: folder }
+}
+
+fn window(level: u32, x0: i64, y0: i64, nx: usize, ny: usize) -> NodeWindow {
+    NodeWindow { level, x0, y0, nx, ny }
+}
+
+/// Why an input is refused.
+fn refusal(path: &str, options: &SourceOptions) -> String {
+    match open_sources(&[path.to_owned()], options) {
+        Ok(_) => panic!("{path} was accepted"),
+        Err(error) => error.to_string(),
+    }
+}
+
 fn open(path: &str, options: &SourceOptions) -> SourceSet {
     open_sources(&[path.to_owned()], options).unwrap()
 }
@@ -92,51 +120,4 @@ fn level(set: &SourceSet, grid: &Grid, level: u32) -> HeightBlock {
 /// Every bit of a block, voids told apart.
 fn bits(block: &HeightBlock) -> Vec<(u32, u8)> {
     block.height_m.iter().zip(&block.state).map(|(height, state)| (height.to_bits(), *state)).collect()
-}
-
-/// Smooth on the whole sphere, poles included.
-fn sine(lon_deg: f64, lat_deg: f64) -> f64 {
-    1000.0 * lat_deg.to_radians().cos().powi(2) * (2.0 * lon_deg).to_radians().cos() + 300.0 * lat_deg.to_radians().sin()
-}
-
-/// Cell-registered and gridline, north-up and south-up, -180..180 and 0..360 all hold the same
-/// field; the nodes must not see the difference beyond interpolation error.
-#[test]
-fn registrations_and_directions_agree_with_the_field() {
-    let folder = tempfile::tempdir().unwrap();
-    let grid = Grid::new(8, false);
-    let layouts: [(&str, (usize, usize), [f64; 6]); 5] = [
-        ("cell", (720, 360), [-180.0, 0.5, 0.0, 90.0, 0.0, -0.5]),
-        ("south_up", (720, 360), [-180.0, 0.5, 0.0, -90.0, 0.0, 0.5]),
-        ("from_zero", (720, 360), [0.0, 0.5, 0.0, 90.0, 0.0, -0.5]),
-        ("gridline", (721, 361), [-0.25, 0.5, 0.0, 90.25, 0.0, -0.5]),
-        ("westwards", (720, 360), [180.0, -0.5, 0.0, 90.0, 0.0, -0.5]),
-    ];
-    for (name, size, transform) in layouts {
-        let tif = Tif { size, transform: Some(transform), ..Tif::default() };
-        let path = tif.write(folder.path(), &format!("{name}.tif"), |c, r| {
-            let lon = transform[0] + (c as f64 + 0.5) * transform[1];
-            let lat = transform[3] + (r as f64 + 0.5) * transform[5];
-            sine(lon, lat) as f32
-        });
-        for (resample, bound) in [(Resample::Bilinear, 0.06), (Resample::Cubic, 0.002), (Resample::Lanczos, 0.6)] {
-            let set = open(&path, &SourceOptions { resample, ..given() });
-            let block = level(&set, &grid, 0);
-            let mut worst: f64 = 0.0;
-            for (at, height) in block.height_m.iter().enumerate() {
-                let (i, j) = ((at % 512) as i64, (at / 512) as i64);
-                let lat = grid.lat_deg(0, j);
-                let error = f64::from(*height) - sine(grid.lon_deg(0, i), lat);
-                // A pole is the mean of its row; cells have theirs a quarter degree off it.
-                if lat.abs() < 90.0 {
-                    worst = worst.max(error.abs());
-                }
-            }
-            assert!(block.state.iter().all(|state| *state == DATA));
-            assert!(worst < bound, "{name} {resample:?}: {worst}");
-            let pole = &block.height_m[256 * 512..];
-            assert!(pole.iter().all(|height| height.to_bits() == pole[0].to_bits()));
-            assert!((pole[0] - 300.0).abs() < 0.01, "{name}: {}", pole[0]);
-        }
-    }
 }

@@ -1,0 +1,201 @@
+//! Heights in steps at any nodes of any level, composed from all sources.
+//!
+//! At each place the last source with data wins. At levels finer than the winner's own it is not
+//! sampled: the nodes lie between those of the level above, so that a finer level holds nothing
+//! that no source has seen.
+
+use relief_formats::derive::{Field, Window};
+
+use super::plan::Plan;
+use crate::error::ToolError;
+use crate::source::{DATA, FILLED, Fill, NodeWindow, SourceSet, VOID};
+
+/// Nodes of a window: heights in steps and whether they are filled rather than measured.
+pub struct Composed {
+    /// Heights in steps.
+    pub q: Field<i32>,
+    /// Filled nodes.
+    pub filled: Field<bool>,
+}
+
+/// Samples sources for a plan.
+pub struct Composer<'a> {
+    /// The inputs.
+    pub sources: &'a SourceSet,
+    /// The grid and tiles.
+    pub plan: &'a Plan,
+    /// Height of nodes without data, in steps.
+    pub void_q: i32,
+}
+
+/// Where a node's height comes from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Origin {
+    /// No source has data there.
+    Void,
+    /// Sampled at this level.
+    Sampled,
+    /// The winning source is coarser than this level.
+    Coarser,
+}
+
+impl<'a> Composer<'a> {
+    /// # Errors
+    /// A fill height that the step cannot hold.
+    pub fn new(sources: &'a SourceSet, plan: &'a Plan, fill: Fill) -> Result<Self, ToolError> {
+        let void_q = match fill {
+            Fill::Constant(height_m) => plan.quantize(height_m)?,
+            Fill::None | Fill::Interpolate => 0,
+        };
+        Ok(Self { sources, plan, void_q })
+    }
+
+    /// Nodes of a window that may run over the seam, the poles and a plane's edges.
+    ///
+    /// # Errors
+    /// What the sources answer, or a height out of range.
+    pub fn window(&self, level: u32, window: Window) -> Result<Composed, ToolError> {
+        let height = self.plan.grid.height(level) as i32;
+        let inner = Window::between(window.x0, window.x1(), window.y0.max(0), window.y1().min(height + 1));
+        let own = self.rows(level, inner)?;
+        if inner == window {
+            return Ok(own);
+        }
+        // Rows beyond an edge: the poles are crossed half a turn on, a plane repeats its last row.
+        let mut q = Field::new(window);
+        let mut filled = Field::new(window);
+        let half = if self.plan.grid.plane { 0 } else { self.plan.grid.width(level) as i32 / 2 };
+        let mut beyond = Vec::new();
+        for (rows, edge) in [(window.y0..inner.y0, 0), (inner.y1()..window.y1(), height)] {
+            if !rows.is_empty() && !self.plan.grid.plane {
+                let (a, b) = (2 * edge - rows.start, 2 * edge - (rows.end - 1));
+                let mirror = Window::between(window.x0 + half, window.x1() + half, b, a + 1);
+                beyond.push((rows, edge, self.rows(level, mirror)?));
+            }
+        }
+        let nx = window.nx;
+        for (k, y) in (window.y0..window.y1()).enumerate() {
+            let found = beyond.iter().find(|(rows, ..)| rows.contains(&y));
+            let (from, x, row) = match found {
+                Some((_, edge, mirrored)) => (mirrored, window.x0 + half, 2 * edge - y),
+                None => (&own, window.x0, y.clamp(0, height)),
+            };
+            q.data_mut()[k * nx..][..nx].copy_from_slice(from.q.row(row, x, nx));
+            filled.data_mut()[k * nx..][..nx].copy_from_slice(from.filled.row(row, x, nx));
+        }
+        Ok(Composed { q, filled })
+    }
+
+    /// Nodes of rows 0..=H.
+    fn rows(&self, level: u32, window: Window) -> Result<Composed, ToolError> {
+        let mut q = Field::new(window);
+        let mut filled = Field::new(window);
+        let mut origin = vec![Origin::Void; window.len()];
+        self.sample(level, window, &mut q, &mut filled, &mut origin)?;
+        let coarser = origin.contains(&Origin::Coarser);
+        let void = origin.contains(&Origin::Void);
+        if coarser || (void && !self.plan.is_dense() && level < self.plan.grid.root_level()) {
+            self.interpolate(level, window, &mut q, &mut filled, &origin)?;
+        } else if void {
+            let voids = origin.iter().zip(q.data_mut().iter_mut().zip(filled.data_mut()));
+            voids.filter(|(o, _)| **o == Origin::Void).for_each(|(_, (q, f))| (*q, *f) = (self.void_q, true));
+        }
+        Ok(Composed { q, filled })
+    }
+
+    fn sample(
+        &self,
+        level: u32,
+        window: Window,
+        q: &mut Field<i32>,
+        filled: &mut Field<bool>,
+        origin: &mut [Origin],
+    ) -> Result<(), ToolError> {
+        let grid = &self.plan.grid;
+        let request = NodeWindow {
+            level,
+            x0: i64::from(window.x0),
+            y0: i64::from(window.y0),
+            nx: window.nx,
+            ny: window.ny,
+        };
+        let finest = &self.plan.finest;
+        for s in (0..self.sources.len()).rev() {
+            // A coarser source matters here only where it hides a finer one named before it.
+            let own_level = finest[s] <= level;
+            let hides = finest[..s].iter().any(|&f| f <= level);
+            if !(own_level || hides) || !self.sources.covers(s, grid, &request) {
+                continue;
+            }
+            let block = self.sources.sample(s, grid, &request)?;
+            let inverse = (1.0 / self.plan.step_m()) as f32;
+            let places = origin.iter_mut().zip(q.data_mut().iter_mut().zip(filled.data_mut()));
+            let mut worst = 0f32;
+            for ((origin, (q, filled)), (&h, &state)) in places.zip(block.height_m.iter().zip(&block.state)) {
+                if *origin != Origin::Void || state == VOID {
+                    continue;
+                }
+                debug_assert!(state == DATA || state == FILLED);
+                if own_level {
+                    worst = if h.abs() > worst.abs() { h } else { worst };
+                    // The step is a power of two, so the product is exact and rounding is the only loss.
+                    *q = (h * inverse).round_ties_even() as i32;
+                    *filled = state == FILLED;
+                    *origin = Origin::Sampled;
+                } else {
+                    *origin = Origin::Coarser;
+                }
+            }
+            self.plan.quantize(f64::from(worst))?;
+            if !origin.contains(&Origin::Void) {
+                break;
+            }
+        }
+        // What no finer source has may still lie on a coarser one.
+        if (0..self.sources.len()).any(|s| finest[s] > level && self.sources.covers(s, grid, &request)) {
+            for o in origin.iter_mut().filter(|o| **o == Origin::Void) {
+                *o = Origin::Coarser;
+            }
+        }
+        Ok(())
+    }
+
+    /// Fills what this level does not sample from the level above, like a reader does for an
+    /// absent tile; nodes without any data keep the void height where the tile is present.
+    fn interpolate(
+        &self,
+        level: u32,
+        window: Window,
+        q: &mut Field<i32>,
+        filled: &mut Field<bool>,
+        origin: &[Origin],
+    ) -> Result<(), ToolError> {
+        let (x0, x1) = (window.x0.div_euclid(2), (window.x1() - 1).div_euclid(2) + 2);
+        let (y0, y1) = (window.y0.div_euclid(2), (window.y1() - 1).div_euclid(2) + 2);
+        let above = self.window(level + 1, Window::between(x0, x1, y0, y1))?;
+        let nx = window.nx;
+        for k in (0..window.len()).filter(|&k| origin[k] != Origin::Sampled) {
+            let (x, y) = (window.x0 + (k % nx) as i32, window.y0 + (k / nx) as i32);
+            let (w, s) = (x.div_euclid(2), y.div_euclid(2));
+            let (e, n) = (w + (x & 1), s + (y & 1));
+            let corners = [(w, s), (e, s), (w, n), (e, n)];
+            let fill = corners.iter().any(|&(x, y)| above.filled.at(x, y));
+            let even = x & 1 == 0 && y & 1 == 0;
+            filled.data_mut()[k] = fill;
+            q.data_mut()[k] = if fill && !even && origin[k] == Origin::Void && self.inside(level, x, y) {
+                filled.data_mut()[k] = true;
+                self.void_q
+            } else {
+                // With one or both indices even, corners repeat and the sum is 4 or 2 times theirs:
+                // the same rounding as (a + b + 1) >> 1.
+                (corners.iter().map(|&(x, y)| above.q.at(x, y)).sum::<i32>() + 2) >> 2
+            };
+        }
+        Ok(())
+    }
+
+    /// True when all tiles that share the node are present.
+    fn inside(&self, level: u32, x: i32, y: i32) -> bool {
+        [(0, 0), (-1, 0), (0, -1), (-1, -1)].iter().all(|&(dx, dy)| !self.plan.absent(level, x + dx, y + dy))
+    }
+}

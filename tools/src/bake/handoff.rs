@@ -1,0 +1,187 @@
+//! What a stage hands to the next: each block's summary, and the padded fields gathered from them.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use relief_formats::derive::deviation::{CellDistances, Sources, cell_distances};
+use relief_formats::derive::extremes::Extremes;
+use relief_formats::derive::interval::Interval;
+use relief_formats::derive::{Base, Below, Field, Window, encode_deviation};
+
+use super::compose::Composer;
+use super::plan::{BLOCK_CELLS, BLOCK_LEVELS};
+use crate::error::ToolError;
+
+/// Cells along the side of a block's summary.
+const SIDE: i32 = (BLOCK_CELLS >> BLOCK_LEVELS) as i32;
+/// Levels for which distances are handed on.
+const DISTANCE_LEVELS: usize = 3;
+
+/// A block's summary at the level where the next stage starts.
+#[derive(Clone, Debug)]
+pub struct Handoff {
+    /// Nodes, means, intervals, extremes, codes, distances.
+    pub base: Base,
+    /// Filled nodes.
+    pub filled: Field<bool>,
+}
+
+/// Summaries of a level by block; blocks without any tile are made up when they are asked for.
+pub struct Handoffs<'a> {
+    composer: &'a Composer<'a>,
+    level: u32,
+    blocks: HashMap<(i32, i32), Arc<Handoff>>,
+}
+
+impl<'a> Handoffs<'a> {
+    /// Summaries at `level`, none yet.
+    pub fn new(composer: &'a Composer<'a>, level: u32) -> Self {
+        Self { composer, level, blocks: HashMap::new() }
+    }
+
+    /// Adds the summary of block (x, y).
+    pub fn insert(&mut self, x: i32, y: i32, handoff: Handoff) {
+        self.blocks.insert((x, y), Arc::new(handoff));
+    }
+
+    /// The base of a stage over `core`, padded by `pad` cells, and its filled nodes.
+    pub fn gather(&self, core: Window, pad: i32) -> Result<(Base, Field<bool>), ToolError> {
+        let plan = self.composer.plan;
+        let level = self.level;
+        let (w, h) = (plan.grid.width(level) as i32, plan.grid.height(level) as i32);
+        let padded = core.expand(pad);
+        let blocks = self.around(padded)?;
+        let node = |x: i32, y: i32| {
+            let (x, y) = plan.home(level, i64::from(x), i64::from(y));
+            let (x, y) = (x as i32, y as i32);
+            (&*blocks[&((x / SIDE).min(w / SIDE - 1), (y / SIDE).min(h / SIDE - 1))], x, y)
+        };
+        let nodes = padded.nodes();
+        let base_nodes = Field::from_fn(nodes, |x, y| {
+            let (block, x, y) = node(x, y);
+            block.base.nodes.at(x, y)
+        });
+        let mip = Field::from_fn(nodes, |x, y| {
+            let (block, x, y) = node(x, y);
+            block.base.mip.as_ref().unwrap_or(&block.base.nodes).at(x, y)
+        });
+        let filled = Field::from_fn(nodes, |x, y| {
+            let (block, x, y) = node(x, y);
+            block.filled.at(x, y)
+        });
+        let cell = |x: i32, y: i32| {
+            let (x, y) = self.home_cell(x, y, w, h);
+            (blocks[&(x / SIDE, y / SIDE)].base.below.as_ref(), x, y)
+        };
+        let below = Below {
+            intervals: Field::from_fn(padded, |x, y| {
+                let (below, x, y) = cell(x, y);
+                below.map_or_else(Interval::default, |b| b.intervals.at(x, y))
+            }),
+            extremes: Field::from_fn(core, |x, y| {
+                let (below, x, y) = cell(x, y);
+                below.map_or_else(Extremes::default, |b| b.extremes.at(x, y))
+            }),
+            centres: Field::from_fn(padded, |x, y| {
+                let (below, x, y) = cell(x, y);
+                below.map_or(0, |b| b.centres.at(x, y))
+            }),
+            distances: (0..DISTANCE_LEVELS)
+                .map(|i| {
+                    let up = i + 1;
+                    let window = Window::between(padded.x0 >> up, padded.x1() >> up, padded.y0 >> up, padded.y1() >> up);
+                    Field::from_fn(window, |x, y| {
+                        if y < 0 || y >= h >> up || (plan.grid.plane && (x < 0 || x >= w >> up)) {
+                            return CellDistances::default();
+                        }
+                        let x = x.rem_euclid(w >> up);
+                        let side = SIDE >> up;
+                        let block = &blocks[&(x / side, y / side)].base.below;
+                        block.as_ref().map_or_else(CellDistances::default, |b| b.distances[i].at(x, y))
+                    })
+                })
+                .collect(),
+        };
+        Ok((Base { level, nodes: base_nodes, mip: Some(mip), below: Some(below) }, filled))
+    }
+
+    fn home_cell(&self, x: i32, y: i32, w: i32, h: i32) -> (i32, i32) {
+        if self.composer.plan.grid.plane {
+            return (x.clamp(0, w - 1), y.clamp(0, h - 1));
+        }
+        let (x, y) = match y {
+            y if y < 0 => (x + w / 2, -1 - y),
+            y if y >= h => (x + w / 2, 2 * h - 1 - y),
+            y => (x, y),
+        };
+        (x.rem_euclid(w), y.clamp(0, h - 1))
+    }
+
+    /// All blocks that a padded window touches, over seam and poles.
+    fn around(&self, padded: Window) -> Result<HashMap<(i32, i32), Arc<Handoff>>, ToolError> {
+        let grid = &self.composer.plan.grid;
+        let (w, h) = (grid.width(self.level) as i32, grid.height(self.level) as i32);
+        let mut blocks = HashMap::new();
+        // A step of a block from the padded corner on, and the far edge, meet every block.
+        let steps = |from: i32, to: i32| (from..to).step_by(SIDE as usize).chain([to]);
+        for y in steps(padded.y0, padded.y1()) {
+            for x in steps(padded.x0, padded.x1()) {
+                for (x, y) in [(x, y), (x - 1, y), (x, y - 1), (x - 1, y - 1)] {
+                    let (x, y) = self.home_cell(x, y, w, h);
+                    let key = (x / SIDE, y / SIDE);
+                    if !blocks.contains_key(&key) {
+                        let block = match self.blocks.get(&key) {
+                            Some(block) => Arc::clone(block),
+                            None => Arc::new(self.made_up(key)?),
+                        };
+                        blocks.insert(key, block);
+                    }
+                }
+            }
+        }
+        Ok(blocks)
+    }
+
+    /// The summary of a block that has no tiles: below this level its nodes are interpolated.
+    fn made_up(&self, (bx, by): (i32, i32)) -> Result<Handoff, ToolError> {
+        let core = Window::new(bx * SIDE, by * SIDE, SIDE as usize, SIDE as usize);
+        let composed = self.composer.window(self.level, core.nodes())?;
+        let nodes = composed.q;
+        let corners = |x, y| [nodes.at(x, y), nodes.at(x + 1, y), nodes.at(x, y + 1), nodes.at(x + 1, y + 1)];
+        // Each level of interpolation rounds by at most half a step: 8 sixteenths.
+        let rounding = 8 * self.level as i32;
+        let intervals = Field::from_fn(core, |x, y| {
+            let c = corners(x, y);
+            let range = |f: fn(i32, i32) -> i32| c.iter().copied().reduce(f).unwrap_or(c[0]);
+            let (min, max) = (range(i32::min), range(i32::max));
+            let rounding = if min == max { 0 } else { rounding };
+            Interval { lo: -rounding, hi: rounding, min, max }
+        });
+        let extremes = Field::from_fn(core, |x, y| {
+            let c = corners(x, y);
+            c.iter().fold(Extremes { min: c[0], max: c[0] }, |e, &q| Extremes { min: e.min.min(q), max: e.max.max(q) })
+        });
+        let centres = Field::from_fn(core, |x, y| {
+            let [a, b, c, d] = corners(x, y);
+            let twist = (a + d - b - c).abs() as f32 / 4.0;
+            if a == b && b == c && c == d { 0 } else { encode_deviation(twist + rounding as f32 / 8.0) }
+        });
+        let distances = (0..DISTANCE_LEVELS)
+            .map(|i| {
+                let up = i + 1;
+                let window = Window::new(core.x0 >> up, core.y0 >> up, core.nx >> up, core.ny >> up);
+                let sources = Sources {
+                    nodes: &nodes,
+                    intervals: Some(&intervals),
+                    children: None,
+                    span: i as u32,
+                    distances: None,
+                };
+                cell_distances(&sources, window)
+            })
+            .collect();
+        let below = Below { intervals, extremes, centres, distances };
+        let base = Base { level: self.level, mip: Some(nodes.clone()), nodes, below: Some(below) };
+        Ok(Handoff { base, filled: composed.filled })
+    }
+}

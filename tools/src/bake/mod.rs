@@ -1,0 +1,16 @@
+//! The bake: stages of blocks from the finest level up, a journal of finished blocks, one file.
+
+mod compose;
+mod handoff;
+mod journal;
+mod plan;
+mod progress;
+mod record;
+mod run;
+mod stage;
+
+pub use compose::{Composed, Composer};
+pub use handoff::{Handoff, Handoffs};
+pub use plan::{BLOCK_CELLS, BLOCK_LEVELS, Plan};
+pub use run::{BakeOptions, BakeReport, bake};
+pub use stage::{BlockKey, blocks};

@@ -1,0 +1,315 @@
+//! From sources to a published file.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use relief_formats::derive::{Base, Window, padding};
+use relief_formats::file::header::Header;
+use relief_formats::file::writer::{FileSpec, write};
+use relief_formats::file::{FormatError, Metadata};
+use relief_formats::mesh::{self, MeshLayout};
+
+use super::compose::Composer;
+use super::handoff::{Handoff, Handoffs};
+use super::journal::{Journal, Placed};
+use super::plan::{BLOCK_LEVELS, Plan};
+use super::progress::Progress;
+use super::stage::{BlockKey, Finished, blocks, finish};
+use crate::error::ToolError;
+use crate::source::{SourceOptions, SourceSet, Vertical, open_sources};
+
+/// Memory that a block takes while it is worked off.
+const BLOCK_BYTES: u64 = 120 << 20;
+/// Memory that does not depend on blocks.
+const BASE_BYTES: u64 = 100 << 20;
+/// Step of sources that have none of their own: 2^-4 m.
+const DEFAULT_STEP_EXPONENT: i8 = -4;
+
+/// What to bake and how.
+#[derive(Clone, Debug)]
+pub struct BakeOptions {
+    /// The file to write.
+    pub output: PathBuf,
+    /// The map exponent; by default that of the finest source.
+    pub m: Option<u32>,
+    /// Steps of 2^k metres; by default the sources' own.
+    pub step_exponent: Option<i8>,
+    /// How the inputs are read.
+    pub source: SourceOptions,
+    /// Layout of the patch mesh.
+    pub layout: MeshLayout,
+    /// Go on from the work file of an earlier run.
+    pub resume: bool,
+    /// Replace an existing output.
+    pub force: bool,
+    /// No progress.
+    pub quiet: bool,
+}
+
+/// What was baked.
+#[derive(Clone, Debug)]
+pub struct BakeReport {
+    /// The file's header.
+    pub header: Header,
+    /// Blocks taken over from an earlier run.
+    pub resumed_blocks: usize,
+}
+
+/// Bakes `inputs` into one file. `stop` ends it at the next block.
+///
+/// # Errors
+/// Whatever keeps the file from being published; then nothing is left but, after an interruption,
+/// the work file.
+pub fn bake(inputs: &[String], options: &BakeOptions, stop: &AtomicBool) -> Result<BakeReport, ToolError> {
+    check_output(&options.output, options.force)?;
+    let sources = open_sources(inputs, &options.source)?;
+    let step_exponent = options.step_exponent.unwrap_or_else(|| default_step(&sources));
+    let plan = Plan::new(&sources, options.m, step_exponent)?;
+    let composer = Composer::new(&sources, &plan, options.source.fill)?;
+    let metadata = metadata(&sources, &plan, options)?;
+    let identity = identity(&metadata, &plan, options)?;
+    let mut baker = Baker::start(&plan, &composer, options, &identity, stop)?;
+    match baker.run() {
+        Ok(()) => {}
+        Err(error) => {
+            if matches!(error, ToolError::Interrupted) && !baker.tiles.is_empty() {
+                baker.journal.keep();
+            }
+            return Err(error);
+        }
+    }
+    if !baker.measured {
+        return Err(ToolError::source(
+            inputs.join(", "),
+            "no node of the file would hold a measured height",
+            "at least one pixel has data and lies on the map",
+            "check --nodata, --bounds and the source's extent",
+        ));
+    }
+    let header = baker.publish(&metadata)?;
+    Ok(BakeReport { header, resumed_blocks: baker.resumed })
+}
+
+struct Baker<'a> {
+    plan: &'a Plan,
+    composer: &'a Composer<'a>,
+    options: &'a BakeOptions,
+    stop: &'a AtomicBool,
+    journal: Journal,
+    tiles: Vec<Placed>,
+    done: BTreeMap<(u32, u32, u32), Option<Handoff>>,
+    measured: bool,
+    resumed: usize,
+}
+
+impl<'a> Baker<'a> {
+    fn start(
+        plan: &'a Plan,
+        composer: &'a Composer<'a>,
+        options: &'a BakeOptions,
+        identity: &[u8; 32],
+        stop: &'a AtomicBool,
+    ) -> Result<Self, ToolError> {
+        let path = work_file(&options.output);
+        let failed = |error| io_error("cannot use the work file", &path, error);
+        let mut tiles = Vec::new();
+        let mut done = BTreeMap::new();
+        let mut measured = false;
+        let found = if options.resume {
+            Journal::resume(&path, identity, |block| {
+                tiles.extend(block.tiles);
+                measured |= block.rest.measured;
+                done.insert((block.key.level, block.key.x, block.key.y), block.rest.handoff);
+            })
+            .map_err(failed)?
+        } else {
+            None
+        };
+        let journal = match found {
+            Some(journal) => journal,
+            None => Journal::create(&path, identity).map_err(failed)?,
+        };
+        let resumed = done.len();
+        Ok(Self { plan, composer, options, stop, journal, tiles, done, measured, resumed })
+    }
+
+    fn run(&mut self) -> Result<(), ToolError> {
+        let root = self.plan.grid.root_level();
+        let stages: Vec<u32> = (0..=root).step_by(BLOCK_LEVELS as usize).collect();
+        let total: usize = stages.iter().map(|&level| blocks(self.plan, level).len()).sum();
+        let progress = Progress::new("baking", total as u64, self.options.quiet);
+        let threads = self.options.source.threads.max(1) as u64;
+        let room = self.options.source.memory_bytes.saturating_sub(BASE_BYTES) * 2 / 3 / BLOCK_BYTES;
+        let at_once = threads.min(room).max(1) as usize;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build().map_err(|error| {
+            ToolError::usage(format!("--threads {threads}: {error}"), "the system grants the threads", "ask for fewer")
+        })?;
+        let mut below: Option<Handoffs<'a>> = None;
+        for level in stages {
+            let keys = blocks(self.plan, level);
+            let mut next = Handoffs::new(self.composer, level + BLOCK_LEVELS);
+            let (ready, missing): (Vec<_>, Vec<_>) =
+                keys.into_iter().partition(|k| self.done.contains_key(&(k.level, k.x, k.y)));
+            for key in ready {
+                if let Some(Some(handoff)) = self.done.remove(&(key.level, key.x, key.y)) {
+                    next.insert(key.x as i32, key.y as i32, handoff);
+                }
+                progress.add(1);
+            }
+            for batch in missing.chunks(at_once) {
+                let finished: Vec<Result<Finished, ToolError>> = pool.install(|| {
+                    batch.par_iter().map(|&key| self.block(key, below.as_ref())).collect()
+                });
+                for (&key, finished) in batch.iter().zip(finished) {
+                    let finished = finished?;
+                    let path = work_file(&self.options.output);
+                    let placed = self
+                        .journal
+                        .append(key, &finished)
+                        .map_err(|error| io_error("cannot write the work file", &path, error))?;
+                    self.tiles.extend(placed);
+                    self.measured |= finished.measured;
+                    if let Some(handoff) = finished.handoff {
+                        next.insert(key.x as i32, key.y as i32, handoff);
+                    }
+                    progress.add(1);
+                }
+            }
+            below = Some(next);
+        }
+        Ok(())
+    }
+
+    fn block(&self, key: BlockKey, below: Option<&Handoffs<'_>>) -> Result<Finished, ToolError> {
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(ToolError::Interrupted);
+        }
+        let core = key.core(self.plan);
+        let pad = padding(key.levels(self.plan));
+        let (base, filled) = match below {
+            Some(below) => below.gather(core, pad)?,
+            None => {
+                let nodes: Window = core.expand(pad).nodes();
+                let composed = self.composer.window(key.level, nodes)?;
+                (Base { level: key.level, nodes: composed.q, mip: None, below: None }, composed.filled)
+            }
+        };
+        Ok(finish(self.plan, key, base, filled))
+    }
+
+    fn publish(&self, metadata: &Metadata) -> Result<Header, ToolError> {
+        let grid = self.plan.grid;
+        let root = grid.root_level();
+        let (w, h) = (grid.width(root) as i32, grid.height(root) as i32);
+        let pole = |x: i32, y: i32| -> Result<i32, ToolError> {
+            Ok(self.composer.window(root, Window::new(x, y, 1, 1))?.q.at(x, y))
+        };
+        let last = if grid.plane { w } else { 0 };
+        let patch = mesh::patch_mesh(&self.composer.sources.body, &grid, self.options.layout);
+        let mesh = mesh::encode_section(&patch);
+        let spec = FileSpec {
+            body: &self.composer.sources.body,
+            m: grid.m,
+            step_exponent: self.plan.step_exponent,
+            south_pole_q: pole(0, 0)?,
+            north_pole_q: pole(last, h)?,
+            metadata,
+            mesh: &mesh,
+        };
+        write(&self.options.output, &spec, &self.tiles, |n, buffer| self.journal.read(&self.tiles[n], buffer)).map_err(
+            |error| match error {
+                FormatError::Io { action, path, error } => io_error(action, &path, error),
+                error => ToolError::of_file(&self.options.output)(error),
+            },
+        )
+    }
+}
+
+fn default_step(sources: &SourceSet) -> i8 {
+    sources.native_step_m().map_or(DEFAULT_STEP_EXPONENT, |step_m| step_m.log2().round() as i8)
+}
+
+/// The work file beside an output.
+fn work_file(output: &Path) -> PathBuf {
+    let mut name = output.as_os_str().to_os_string();
+    name.push(".part");
+    PathBuf::from(name)
+}
+
+fn check_output(output: &Path, force: bool) -> Result<(), ToolError> {
+    let folder = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if output.file_name().is_none() || output.is_dir() {
+        return Err(ToolError::usage(
+            format!("-o {}", output.display()),
+            "the output is a file",
+            "name a file, such as earth.relief",
+        ));
+    }
+    if !folder.is_dir() {
+        return Err(ToolError::usage(
+            format!("-o {}: the folder {} is missing", output.display(), folder.display()),
+            "the output's folder exists",
+            format!("mkdir -p {}", folder.display()),
+        ));
+    }
+    if output.exists() && !force {
+        return Err(ToolError::usage(
+            format!("-o {}: the file exists", output.display()),
+            "nothing is replaced unasked",
+            "give --force to replace it, or another name",
+        ));
+    }
+    Ok(())
+}
+
+fn metadata(sources: &SourceSet, plan: &Plan, options: &BakeOptions) -> Result<Metadata, ToolError> {
+    let records = sources.describe().iter().map(serde_json::to_value).collect::<Result<Vec<_>, _>>();
+    let vertical = match &options.source.vertical {
+        Some(Vertical::Ellipsoid) => "ellipsoid".to_string(),
+        Some(Vertical::Egm96) => "ellipsoid (EGM96 added)".to_string(),
+        Some(Vertical::Gtx(path)) => {
+            format!("ellipsoid ({} added)", path.file_name().unwrap_or_default().to_string_lossy())
+        }
+        Some(Vertical::AsGiven) => "as given".to_string(),
+        None => "as the source's CRS says".to_string(),
+    };
+    let versions = [
+        ("format", "1.0".to_string()),
+        ("gdal", gdal::version::VersionInfo::release_name()),
+        ("relief-bake", env!("CARGO_PKG_VERSION").to_string()),
+        ("zstd", zstd_version()),
+    ];
+    Ok(Metadata {
+        body: sources.body.clone(),
+        vertical,
+        sources: records.map_err(|e| ToolError::usage(format!("metadata: {e}"), "it is JSON", "report this"))?,
+        resampling: format!("{:?}", options.source.resample).to_lowercase(),
+        fill: format!("{:?}", options.source.fill).to_lowercase(),
+        bound_m: plan.step_m() / 2.0,
+        versions: versions.map(|(name, version)| (name.to_string(), version)).into(),
+    })
+}
+
+fn zstd_version() -> String {
+    let n = relief_formats::codec::zstd_version_number();
+    format!("{}.{}.{}", n / 10_000, n / 100 % 100, n % 100)
+}
+
+/// Hashes everything that decides the file's bytes.
+fn identity(metadata: &Metadata, plan: &Plan, options: &BakeOptions) -> Result<[u8; 32], ToolError> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&metadata.encode().map_err(ToolError::of_file(&options.output))?);
+    hasher.update(format!("{:?} {} {:?} {:?}", plan.grid, plan.step_exponent, options.layout, options.source).as_bytes());
+    Ok(*hasher.finalize().as_bytes())
+}
+
+fn io_error(action: &'static str, path: &Path, error: std::io::Error) -> ToolError {
+    let remedy = match error.kind() {
+        std::io::ErrorKind::StorageFull => "free some space, or write to another disk; --resume goes on from a kept work file",
+        std::io::ErrorKind::PermissionDenied | std::io::ErrorKind::ReadOnlyFilesystem => "write to a folder that you may write to",
+        _ => "check the path and the disk",
+    };
+    ToolError::Io { action, path: path.to_path_buf(), error, remedy: remedy.into() }
+}
