@@ -260,11 +260,18 @@ def interpolate(even):
     return join(even, c, (even[:, :-1] + even[:, 1:] + 1) >> 1, (even[:-1] + even[1:] + 1) >> 1)
 
 
-def _frame(data, size):
+def unpack(data, limit):
+    """The content of a Zstandard frame, at most `limit` bytes."""
     try:
-        out = zstandard.ZstdDecompressor().decompress(data, max_output_size=size)
+        declared = zstandard.frame_content_size(data)
+        need(declared <= limit, "Zstandard frame: too large")
+        return zstandard.ZstdDecompressor().decompress(data, max_output_size=limit)
     except zstandard.ZstdError as error:
         raise Damaged(f"Zstandard frame: {error}") from error
+
+
+def _frame(data, size):
+    out = unpack(data, size)
     need(len(out) == size, "Zstandard frame: another size")
     return np.frombuffer(out, np.uint8)
 

@@ -193,7 +193,7 @@ class Relief:
 
     def mesh(self):
         """The patch mesh: (layout, s_axis, t_axis, triangles), section 9."""
-        data = self.section(b"MESH")
+        data = planes.unpack(self.section(b"MESH"), 1 << 20)
         need(len(data) >= 24, "mesh: no header")
         layout, m, columns, rows, count, reserved = struct.unpack_from("<6I", data)
         need(layout < 2 and m == self.m and reserved == 0, "mesh: a field is out of range")

@@ -115,7 +115,7 @@ fn write_one(golden: &Golden, path: &Path) -> Result<(), Box<dyn Error>> {
         bound_m: f64::from(golden.step_exponent).exp2() / 2.0,
         versions: BTreeMap::from([("format".into(), "1.0".into())]),
     };
-    let mesh = mesh::encode(&patch_mesh(&golden.body, &grid, golden.layout));
+    let mesh = mesh::encode_section(&patch_mesh(&golden.body, &grid, golden.layout));
     let spec = FileSpec {
         body: &golden.body,
         m: golden.m,

@@ -72,7 +72,8 @@ impl Map {
         let (width, height) = (self.grid.width(0) as i32, self.grid.height(0) as i32);
         let (mut i, mut j) = (i << level, j << level);
         if self.grid.plane {
-            return (i.clamp(0, width - 1) as u32, j.clamp(0, height - 1) as u32);
+            let mirror = |v: i32, far: i32| v.abs().min(2 * far - v.abs()).min(far - 1) as u32;
+            return (mirror(i, width), mirror(j, height));
         }
         if j < 0 || j > height {
             (i, j) = (i + width / 2, if j < 0 { -j } else { 2 * height - j });
@@ -102,7 +103,7 @@ impl Map {
         let levels = self.grid.root_level() + 1;
         let core = Window::new(0, 0, self.grid.width(0) as usize, self.grid.height(0) as usize);
         let nodes = Field::from_fn(core.expand(padding(levels)).nodes(), |i, j| self.node(0, i, j));
-        let base = Base { level: 0, mip: nodes.clone(), nodes, below: None };
+        let base = Base { level: 0, nodes, mip: None, below: None };
         let planes = derive_block(base, core, levels, Some(&|k, i, j| self.is_absent(k, i, j))).levels;
         self.present.iter().map(|&key| self.tile(key, &planes)).collect()
     }
@@ -128,7 +129,8 @@ impl Map {
         let window = Window::new(x0, y0, TILE_NODES, TILE_NODES);
         let quarter = Window::new(x0 / 2, y0 / 2, HALF + 1, HALF + 1);
         let root = key.level == self.grid.root_level();
-        let means = (!root).then(|| planes[key.level as usize + 1].mip.crop(quarter).into_data());
+        let mip = |level: usize, window: Window| Some(planes.get(level)?.mip.as_ref()?.crop(window).into_data());
+        let means = if root { None } else { mip(key.level as usize + 1, quarter) };
         let extremes: Vec<Extremes> = level.extremes.crop(Window::new(x0 / 2, y0 / 2, HALF, HALF)).into_data();
         let filled: Vec<bool> = (0..TILE_NODES * TILE_NODES)
             .map(|k| self.fold(key.level, x0 + (k % TILE_NODES) as i32, y0 + (k / TILE_NODES) as i32))
@@ -138,7 +140,7 @@ impl Map {
             key,
             root,
             nodes: level.nodes.crop(window).data(),
-            mip: level.mip.crop(window).data(),
+            mip: &mip(key.level as usize, window).unwrap_or_default(),
             parent_mean: means.as_deref(),
             extremes: &extremes,
             deviations: level.deviations.crop(window).data(),

@@ -74,7 +74,7 @@ fn height(tiles: &Tiles<'_>, s: u64, t: u64) -> Result<i128, Box<dyn Error>> {
 }
 
 fn mesh_digest(relief: &Relief) -> Result<String, Box<dyn Error>> {
-    let mesh = mesh::decode(relief.section_bytes(MESH).ok_or("no mesh")?)?;
+    let mesh = mesh::decode_section(relief.section_bytes(MESH).ok_or("no mesh")?)?;
     let layout = match mesh.layout {
         MeshLayout::Aligned => 0,
         MeshLayout::Paper => 1,
