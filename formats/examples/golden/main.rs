@@ -2,10 +2,12 @@
 //!
 //! The files of a released version are written once and read for ever: run this only to add files
 //! for a new version, and commit what it writes into tests/golden/VERSION (or the folder given). Each
-//! FILE.relief comes with FILE.txt, the lines that every reader must find in it.
+//! FILE.relief comes with FILE.txt, the lines that every reader must find in it. The seeds of the
+//! fuzz targets are made anew too.
 
 mod map;
 mod samples;
+mod seeds;
 mod terrain;
 
 use std::collections::BTreeMap;
@@ -88,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         std::fs::write(path.with_extension("txt"), lines.join("\n") + "\n")?;
         println!("{} {} bytes", path.display(), std::fs::metadata(&path)?.len());
     }
-    Ok(())
+    seeds::write(&Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus"))
 }
 
 fn write_one(golden: &Golden, path: &Path) -> Result<(), Box<dyn Error>> {

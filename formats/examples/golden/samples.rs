@@ -6,8 +6,7 @@ use relief_formats::codec::hext::of_nodes;
 use relief_formats::codec::nodes::SAMPLE_LIMIT;
 use relief_formats::file::Relief;
 use relief_formats::file::index::{content_id, digest};
-use relief_formats::file::section::MESH;
-use relief_formats::mesh::{self, MeshLayout};
+use relief_formats::mesh::MeshLayout;
 use relief_formats::tile::{TILE_CELLS, TILE_NODES, TileKey};
 use relief_formats::tiles::Tiles;
 
@@ -74,7 +73,7 @@ fn height(tiles: &Tiles<'_>, s: u64, t: u64) -> Result<i128, Box<dyn Error>> {
 }
 
 fn mesh_digest(relief: &Relief) -> Result<String, Box<dyn Error>> {
-    let mesh = mesh::decode_section(relief.section_bytes(MESH).ok_or("no mesh")?)?;
+    let mesh = relief.patch_mesh()?;
     let layout = match mesh.layout {
         MeshLayout::Aligned => 0,
         MeshLayout::Paper => 1,

@@ -12,6 +12,7 @@ use super::writer::{TAIL_BYTES, tail};
 use super::{Entry, FormatError, Header, Metadata, Plane};
 use crate::body::Body;
 use crate::grid::Grid;
+use crate::mesh::{self, PatchMesh};
 use crate::tile::TileKey;
 
 /// An open file: its header and metadata are checked, its tiles are checked when they are read.
@@ -27,7 +28,15 @@ pub struct Relief {
 impl Relief {
     /// Maps and checks a file: header, length, tail, section table, metadata.
     pub fn open(path: &Path) -> Result<Self, FormatError> {
-        let map = super::map::map(path)?;
+        Self::check(super::map::map(path)?)
+    }
+
+    /// Checks a file that is in memory already, and keeps a copy of it.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::check(super::map::copy(bytes)?)
+    }
+
+    fn check(map: Mmap) -> Result<Self, FormatError> {
         let mut header = Header::decode(&map)?;
         if header.file_bytes != map.len() as u64 {
             return Err(FormatError::damaged(format!(
@@ -116,6 +125,21 @@ impl Relief {
     #[must_use]
     pub fn section_bytes(&self, kind: [u8; 4]) -> Option<&[u8]> {
         self.sections.iter().find(|s| s.kind == kind).map(|s| &self.map[range_of(s)])
+    }
+
+    /// The patch mesh, its checksum and map exponent checked.
+    pub fn patch_mesh(&self) -> Result<PatchMesh, FormatError> {
+        let section = self.sections.iter().find(|s| s.kind == MESH);
+        let section = section.ok_or_else(|| FormatError::damaged("section MESH is missing"))?;
+        let bytes = &self.map[range_of(section)];
+        if *blake3::hash(bytes).as_bytes() != section.hash {
+            return Err(FormatError::damaged("the mesh's checksum does not match"));
+        }
+        let mesh = mesh::decode_section(bytes).map_err(|e| FormatError::damaged(e.to_string()))?;
+        if mesh.m != self.header.m {
+            return Err(FormatError::damaged(format!("the mesh is for m = {}, the file has {}", mesh.m, self.header.m)));
+        }
+        Ok(mesh)
     }
 
     /// Number of tiles.
