@@ -10,8 +10,7 @@ use relief_formats::file::Relief;
 #[path = "../../formats/examples/golden/samples.rs"]
 mod samples;
 
-const VERSIONS: [(&str, &[&str]); 1] =
-    [("1.0", &["globe_m8", "globe_m9_sparse", "globe_m10_sparse", "plane_m8"])];
+const VERSIONS: [(&str, &[&str]); 1] = [("1.0", &["globe_m8", "globe_m9_sparse", "globe_m10_sparse", "plane_m8"])];
 
 fn golden(version: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("golden").join(version)

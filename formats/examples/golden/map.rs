@@ -112,7 +112,8 @@ impl Map {
     pub fn compare(&self, relief: &Relief) -> Result<(), Box<dyn Error>> {
         let tiles = Tiles::new(relief, 0);
         for level in 0..=self.grid.root_level() {
-            for (y, x) in (0..self.grid.tiles_y(level)).flat_map(|y| (0..self.grid.tiles_x(level)).map(move |x| (y, x))) {
+            for (y, x) in (0..self.grid.tiles_y(level)).flat_map(|y| (0..self.grid.tiles_x(level)).map(move |x| (y, x)))
+            {
                 let nodes = tiles.nodes(TileKey::new(level, x, y))?;
                 let at = |k: usize| (corner(x) + (k % TILE_NODES) as i32, corner(y) + (k / TILE_NODES) as i32);
                 if let Some(k) = (0..nodes.len()).find(|&k| nodes[k] != self.node(level, at(k).0, at(k).1)) {

@@ -25,7 +25,8 @@ pub fn lines(relief: &Relief) -> Result<Vec<String>, Box<dyn Error>> {
     keys.sort();
     for key in keys {
         let TileKey { level, x, y } = key;
-        let mut add = |plane: &str, bytes: &[u8]| lines.push(format!("{plane} {level} {x} {y} {}", hex(&digest(bytes))));
+        let mut add =
+            |plane: &str, bytes: &[u8]| lines.push(format!("{plane} {level} {x} {y} {}", hex(&digest(bytes))));
         let nodes = tiles.nodes(key)?;
         add("nodes", &little_endian(nodes.iter().copied()));
         add("mip", &little_endian(tiles.mip(key)?.iter().copied()));

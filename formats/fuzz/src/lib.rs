@@ -64,7 +64,13 @@ pub fn plane_nodes(data: &[u8]) {
         let height = |k: usize| match terrain % 3 {
             0 => 0,
             1 => ((k * k) as i32 & 0x3ff) - 100 * (k % side) as i32,
-            _ => if k % 2 == 0 { SAMPLE_LIMIT } else { -SAMPLE_LIMIT },
+            _ => {
+                if k % 2 == 0 {
+                    SAMPLE_LIMIT
+                } else {
+                    -SAMPLE_LIMIT
+                }
+            }
         };
         (0..side * side).map(height).collect()
     };

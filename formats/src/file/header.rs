@@ -141,7 +141,13 @@ impl Header {
         let m = u32::from(bytes[33]);
         let body = match bytes[32] {
             0 => Body::Ellipsoid { name: String::new(), a_m: f64_at(40), b_m: f64_at(48) },
-            1 => Body::Plane { crs_wkt: String::new(), x0: f64_at(136), y0: f64_at(144), dx: f64_at(152), dy: f64_at(160) },
+            1 => Body::Plane {
+                crs_wkt: String::new(),
+                x0: f64_at(136),
+                y0: f64_at(144),
+                dx: f64_at(152),
+                dy: f64_at(160),
+            },
             kind => return Err(FormatError::Unsupported(format!("body kind {kind}"))),
         };
         let sizes_good = match &body {
@@ -210,7 +216,8 @@ pub(super) mod tests {
     fn round_trip() {
         let header = sample();
         assert_eq!(Header::decode(&header.encode()).unwrap(), header);
-        let plane = Header { body: Body::Plane { crs_wkt: String::new(), x0: -3.5, y0: 1e6, dx: 30.0, dy: 30.0 }, ..sample() };
+        let plane =
+            Header { body: Body::Plane { crs_wkt: String::new(), x0: -3.5, y0: 1e6, dx: 30.0, dy: 30.0 }, ..sample() };
         assert_eq!(Header::decode(&plane.encode()).unwrap(), plane);
     }
 
@@ -235,7 +242,8 @@ pub(super) mod tests {
         };
         assert_eq!(changed(&[(10, 1)]).unwrap(), sample());
         assert_eq!(changed(&[(10, 1), (24, 1), (100, 5), (223, 7)]).unwrap(), sample());
-        for damaged in [vec![(24, 1)], vec![(100, 5)], vec![(223, 7)], vec![(10, 1), (36, 1)], vec![(10, 1), (136, 1)]] {
+        for damaged in [vec![(24, 1)], vec![(100, 5)], vec![(223, 7)], vec![(10, 1), (36, 1)], vec![(10, 1), (136, 1)]]
+        {
             assert!(matches!(changed(&damaged), Err(FormatError::Damaged(_))), "{damaged:?}");
         }
         for newer in [[(8, 2)], [(16, 1)], [(32, 2)]] {

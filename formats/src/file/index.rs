@@ -108,7 +108,8 @@ impl Entry {
         let end = entry.offset.checked_add(entry.bytes());
         let mip = Plane::Mip as usize;
         let needless = key.level == 0 && (entry.lengths[mip] != 0 || entry.digests[mip] != Digest::default());
-        if !grid.contains(key) || Self::sort_key(key) != sort_key || end.is_none_or(|end| end > tile_bytes) || needless {
+        if !grid.contains(key) || Self::sort_key(key) != sort_key || end.is_none_or(|end| end > tile_bytes) || needless
+        {
             return Err(FormatError::damaged("an index entry names a tile or bytes that cannot be"));
         }
         Ok(entry)

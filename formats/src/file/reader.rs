@@ -58,11 +58,12 @@ impl Relief {
             return Err(FormatError::damaged("the section table's checksum does not match"));
         }
         let sections = Section::decode_table(table, (HEADER_BYTES + rows) as u64, tail_at as u64)?;
-        let find = |kind: [u8; 4]| {
-            sections.iter().find(|s| s.kind == kind).map(range_of).ok_or_else(|| {
-                FormatError::damaged(format!("section {} is missing", String::from_utf8_lossy(&kind)))
-            })
-        };
+        let find =
+            |kind: [u8; 4]| {
+                sections.iter().find(|s| s.kind == kind).map(range_of).ok_or_else(|| {
+                    FormatError::damaged(format!("section {} is missing", String::from_utf8_lossy(&kind)))
+                })
+            };
         let (meta, index, tiles) = (find(META)?, find(INDEX)?, find(TILES)?);
         find(MESH)?;
         if index.len() as u64 != header.tile_count.saturating_mul(ENTRY_BYTES as u64) {
@@ -137,7 +138,10 @@ impl Relief {
         }
         let mesh = mesh::decode_section(bytes).map_err(|e| FormatError::damaged(e.to_string()))?;
         if mesh.m != self.header.m {
-            return Err(FormatError::damaged(format!("the mesh is for m = {}, the file has {}", mesh.m, self.header.m)));
+            return Err(FormatError::damaged(format!(
+                "the mesh is for m = {}, the file has {}",
+                mesh.m, self.header.m
+            )));
         }
         Ok(mesh)
     }
@@ -197,10 +201,11 @@ fn adopt_names(header: &mut Body, metadata: &Body) -> Result<(), FormatError> {
         (Body::Ellipsoid { name, a_m, b_m }, Body::Ellipsoid { name: n, a_m: a, b_m: b }) if a_m == a && b_m == b => {
             name.clone_from(n);
         }
-        (
-            Body::Plane { crs_wkt, x0, y0, dx, dy },
-            Body::Plane { crs_wkt: c, x0: x, y0: y, dx: u, dy: v },
-        ) if (&*x0, &*y0, &*dx, &*dy) == (x, y, u, v) => crs_wkt.clone_from(c),
+        (Body::Plane { crs_wkt, x0, y0, dx, dy }, Body::Plane { crs_wkt: c, x0: x, y0: y, dx: u, dy: v })
+            if (&*x0, &*y0, &*dx, &*dy) == (x, y, u, v) =>
+        {
+            crs_wkt.clone_from(c)
+        }
         _ => return Err(FormatError::damaged("the metadata's body is not the header's")),
     }
     Ok(())

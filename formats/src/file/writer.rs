@@ -98,7 +98,13 @@ fn write_all(
     out.write_all(&vec![0; position as usize])?;
     let mut table = Vec::new();
     for (kind, bytes) in [(META, &metadata[..]), (MESH, spec.mesh), (INDEX, &index)] {
-        table.push(Section { kind, flags: 0, offset: position, length: bytes.len() as u64, hash: *blake3::hash(bytes).as_bytes() });
+        table.push(Section {
+            kind,
+            flags: 0,
+            offset: position,
+            length: bytes.len() as u64,
+            hash: *blake3::hash(bytes).as_bytes(),
+        });
         out.write_all(bytes)?;
         let next = section::align(position + bytes.len() as u64);
         out.write_all(&vec![0; (next - position) as usize - bytes.len()])?;
@@ -111,13 +117,21 @@ fn write_all(
         buffer.clear();
         read(k, &mut buffer)?;
         if buffer.len() as u64 != entry.bytes() {
-            return Err(Failure::Format(FormatError::Request("a tile's bytes are not as long as its entry says".into())));
+            return Err(Failure::Format(FormatError::Request(
+                "a tile's bytes are not as long as its entry says".into(),
+            )));
         }
         hasher.update(&buffer);
         out.write_all(&buffer)?;
         position += buffer.len() as u64;
     }
-    table.push(Section { kind: TILES, flags: 0, offset: start, length: position - start, hash: *hasher.finalize().as_bytes() });
+    table.push(Section {
+        kind: TILES,
+        flags: 0,
+        offset: start,
+        length: position - start,
+        hash: *hasher.finalize().as_bytes(),
+    });
     let tail_at = section::align(position);
     out.write_all(&vec![0; (tail_at - position) as usize])?;
 
