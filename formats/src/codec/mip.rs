@@ -23,17 +23,17 @@ pub fn encode(mip: &[i32], nodes: &[i32], mean: Option<&[i32]>) -> Vec<u8> {
     let mut writer = PlaneWriter::default();
     let mut r = vec![0; (n + 1) * (n + 1)];
     subtract(&even, &pe, &mut r);
-    writer.class(&r, &ae);
+    writer.class(&r, &ae, n + 1);
     for (samples, p, a) in [(&new.c, &pn.c, &an.c), (&new.h, &pn.h, &an.h)] {
         subtract(samples, p, &mut r);
-        writer.class(&r[..samples.len()], a);
+        writer.class(&r[..samples.len()], a, n);
     }
     let r = &mut r[..n * (n + 1)];
     match mean {
         Some(mean) => constraint::residuals(Means { even: &even, mean }, &new, n, &mut pn.v, r),
         None => subtract(&new.v, &pn.v, r),
     }
-    writer.class(r, &an.v);
+    writer.class(r, &an.v, n + 1);
     writer.finish()
 }
 
@@ -43,15 +43,15 @@ pub fn decode(plane: &[u8], nodes: &[i32], mean: Option<&[i32]>) -> Result<Vec<i
     let (pe, mut pn, ae, an) = predict(nodes);
     let mut reader = PlaneReader::new(plane)?;
     let mut r = vec![0; (n + 1) * (n + 1)];
-    reader.class(&ae, &mut r)?;
+    reader.class(&ae, &mut r, n + 1)?;
     let even = add(&pe, &r)?;
     let mut new = Classes::default();
-    reader.class(&an.c, &mut r[..n * n])?;
+    reader.class(&an.c, &mut r[..n * n], n)?;
     new.c = add(&pn.c, &r[..n * n])?;
     let r = &mut r[..n * (n + 1)];
-    reader.class(&an.h, r)?;
+    reader.class(&an.h, r, n)?;
     new.h = add(&pn.h, r)?;
-    reader.class(&an.v, r)?;
+    reader.class(&an.v, r, n + 1)?;
     match mean {
         Some(mean) => {
             constraint::reconstruct(Means { even: &even, mean }, &mut new, n, &mut pn.v, r);
