@@ -32,13 +32,13 @@ fn the_worked_residual_stream_is_what_the_coder_writes() {
     let residuals = [[0, -1, 3, 40, 0, -2], [0; 6]];
     let activity = [0, 0, 1, 9, 0, 1];
     let mut writer = PlaneWriter::default();
-    residuals.iter().for_each(|class| writer.class(class, &activity));
+    residuals.iter().for_each(|class| writer.class(class, &activity, 6));
     let bytes = bytes("0b 00 10");
     assert_eq!(writer.finish(), bytes);
     let mut reader = PlaneReader::new(&bytes).expect("a stream");
     for class in residuals {
         let mut found = [0; 6];
-        reader.class(&activity, &mut found).expect("a class");
+        reader.class(&activity, &mut found, 6).expect("a class");
         assert_eq!(found, class);
     }
     reader.finish().expect("the stream's end");

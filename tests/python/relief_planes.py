@@ -72,22 +72,46 @@ class Residuals:
         self.raw = np.frombuffer(raw + bytes(8), np.uint8)
 
     def take(self, activity):
-        """Residuals, in the shape of their activities."""
+        """Residuals, in the shape of their activities; the last axis is a row."""
         zeros = np.zeros(activity.shape, np.int64)
         if self.empty:
             return zeros
-        need(len(self.headers) >= 2 and len(self.headers) >= 2 + self.headers[1], "class header: too short")
-        first, count = self.headers[0], self.headers[1]
+        need(len(self.headers) >= 2, "class header: too short")
+        first, marked, count = self.headers[0], self.headers[1] >> 7, self.headers[1] & 127
+        need(len(self.headers) >= 2 + count, "class header: too short")
         scales = self.headers[2:2 + count]
         self.headers = self.headers[2 + count:]
+        need(count or not marked, "class header: marks without samples")
         if count == 0:
             return zeros
         need(first + count <= 48 and max(scales) < 64, "class header: a number is out of range")
-        y = activity.ravel() + 1
+        scales = (first, np.frombuffer(scales, np.uint8).astype(np.int64))
+        if not marked:
+            return self._samples(activity.ravel(), scales).reshape(activity.shape)
+        rows = activity.reshape(-1, activity.shape[-1])
+        marks = self._marks(len(rows))
+        stored = [row[:{0: len(row), 1: 0, 2: 1}[mark]] for row, mark in zip(rows, marks)]
+        parts = np.split(self._samples(np.concatenate(stored), scales), np.cumsum([len(s) for s in stored])[:-1])
+        out = np.empty(rows.shape, np.int64)
+        for j, (part, mark) in enumerate(zip(parts, marks)):
+            out[j] = out[j - 1] if mark == 1 else part
+        return out.reshape(activity.shape)
+
+    def _marks(self, rows):
+        size = -(-rows // 4)
+        need(len(self.headers) >= size, "row marks: too short")
+        packed, self.headers = np.frombuffer(self.headers[:size], np.uint8), self.headers[size:]
+        marks = (packed[:, None] >> np.array([0, 2, 4, 6], np.uint8) & 3).ravel()
+        need(marks.max() < 3 and marks[0] != 1 and not marks[rows:].any(), "row marks: out of range")
+        return marks[:rows].tolist()
+
+    def _samples(self, activity, scales):
+        first, scales = scales
+        y = activity + 1
         x = np.frexp(y.astype(np.float64))[1] - 1
         bucket = np.where(y == 1, 0, np.minimum(47, 2 * x + ((y >> np.maximum(x - 1, 0)) & 1)))
-        need(bucket.min() >= first and bucket.max() < first + count, "a bucket without a scale")
-        scale = np.frombuffer(scales, np.uint8).astype(np.int64)[bucket - first]
+        need(bucket.min() >= first and bucket.max() < first + len(scales), "a bucket without a scale")
+        scale = scales[bucket - first]
         table = np.where(scale < 16, scale, 16 + scale % 2)
         low = np.where(scale < 16, 0, (scale - 16) // 2)
         token = self._tokens(table.tolist())
@@ -96,7 +120,7 @@ class Residuals:
         bits = octave + low
         z, bits = np.where(token == 36, 0, z), np.where(token == 36, 27, bits)
         z = z + self._raw(bits)
-        return np.where(z % 2 == 0, z // 2, -((z + 1) // 2)).reshape(activity.shape)
+        return np.where(z % 2 == 0, z // 2, -((z + 1) // 2))
 
     def _tokens(self, tables):
         states, words, tokens = self.states, self.words, []
@@ -282,18 +306,26 @@ def block_extremes(own):
     return np.stack([nine.min(0), nine.max(0)], axis=-1)
 
 
+def _number(residual, limit):
+    """A code or a difference of codes from its residual."""
+    n = np.where(residual >= 0, 2 * residual, -2 * residual - 1)
+    need(n.max() <= limit, "a code is out of range")
+    return n
+
+
 def hext(data, own):
     """Bounds of a present tile (8.1)."""
     bounds = block_extremes(own)
     if not data:
         return bounds
-    code = _frame(data, 32768).astype(np.int64)
-    need(code.max() <= 104, "hext: a code is out of range")
-    value = np.where(code < 16, code, (4 + code % 4) << np.maximum(code // 4 - 2, 0)).reshape(2, HALF, HALF)
-    log2 = np.frexp((bounds[..., 1] - bounds[..., 0] + 1).astype(np.float64))[1] - 1
+    lo, hi = bounds[..., 0], bounds[..., 1]
+    stream = Residuals(data)
+    codes = [_number(stream.take(hi - lo), 104) for _ in range(2)]
+    stream.finish()
+    below, above = [np.where(c < 16, c, (4 + c % 4) << np.maximum(c // 4 - 2, 0)) for c in codes]
+    log2 = np.frexp((hi - lo + 1).astype(np.float64))[1] - 1
     unit = 1 << np.maximum(0, log2 - 2).astype(np.int64)
-    return np.stack([np.maximum(bounds[..., 0] - value[0] * unit, -LIMIT),
-                     np.minimum(bounds[..., 1] + value[1] * unit, LIMIT)], axis=-1)
+    return np.stack([np.maximum(lo - below * unit, -LIMIT), np.minimum(hi + above * unit, LIMIT)], axis=-1)
 
 
 def _code(v):
@@ -335,13 +367,23 @@ def local_deviation(own):
 
 
 def deviation(data, own):
-    """Deviation codes of a present tile."""
-    code = local_deviation(own)
-    if data:
-        new = np.ones((SIDE, SIDE), bool)
-        new[::2, ::2] = False
-        code[new] += _frame(data, 49408)
-    return code
+    """Deviation codes of a present tile (8.2)."""
+    local = local_deviation(own)
+    if not data:
+        return local
+    local = local.astype(np.int64)
+    stream = Residuals(data)
+    centre = local[1::2, 1::2]
+    pad = np.pad(centre, 1, mode="edge")
+    around = sum(pad[b:b + HALF, a:a + HALF] for a in range(3) for b in range(3))
+    centre = (centre + _number(stream.take(np.maximum(0, around - 9 * centre + 64)), 255)) % 256
+    pad = np.pad(centre, 1, constant_values=255)
+    sides = []
+    for part, lid in [(np.s_[::2, 1::2], np.minimum(pad[:-1, 1:-1], pad[1:, 1:-1])),
+                      (np.s_[1::2, ::2], np.minimum(pad[1:-1, :-1], pad[1:-1, 1:]))]:
+        sides.append((lid - _number(stream.take(np.maximum(0, lid - local[part])), 255)) % 256)
+    stream.finish()
+    return join(np.zeros((HALF + 1, HALF + 1), np.int64), centre, *sides).astype(np.uint8)
 
 
 def filled(data):
