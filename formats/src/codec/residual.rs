@@ -10,7 +10,7 @@ use multiversion::multiversion;
 use super::bits::{BitReader, BitWriter};
 use super::rans::{Decoder, Encoder, slot_base};
 use super::token::{
-    ESCAPE, ESCAPE_BITS, SCALES, TOKENS, low_bits, table_of, token_range, tokenize, unzigzag, zigzag,
+    ESCAPE, ESCAPE_BITS, EVEN_SCALE, SCALES, TOKENS, low_bits, table_of, token_range, tokenize, unzigzag, zigzag,
 };
 use super::CodecError;
 
@@ -30,17 +30,23 @@ pub fn buckets(activity: &[i32], out: &mut [u8]) {
 /// mean |residual| of scale t is near 2^((t - 8) / 2). A reader takes whatever the plane says.
 #[must_use]
 pub fn choose_scales(bucket: &[u8], residual: &[i32]) -> (usize, usize, [u8; BUCKETS]) {
-    let mut sum = [(0u64, 0u64); BUCKETS];
+    let mut sum = [(0u64, 0u64, 0u32); BUCKETS];
     for (&b, &r) in bucket.iter().zip(residual) {
-        let (total, count) = &mut sum[b as usize];
+        let (total, count, largest) = &mut sum[b as usize];
         *total += u64::from(r.unsigned_abs());
         *count += 1;
+        *largest = (*largest).max(zigzag(r));
     }
     let first = sum.iter().position(|s| s.1 > 0).unwrap_or(0);
     let last = sum.iter().rposition(|s| s.1 > 0).unwrap_or(0);
-    let scale = sum.map(|(total, count)| {
+    let scale = sum.map(|(total, count, largest)| {
         let mean = (total as f64 / count.max(1) as f64).max(1e-9);
-        (2.0 * mean.log2() + 8.0).round().clamp(0.0, SCALES as f64 - 1.0) as u8
+        // Even over eight values the mean is 2; a peaked spread that fits there has a smaller one.
+        if largest < 8 && mean > 1.6 {
+            EVEN_SCALE
+        } else {
+            (2.0 * mean.log2() + 8.0).round().clamp(0.0, f64::from(EVEN_SCALE) - 1.0) as u8
+        }
     });
     (first, last, scale)
 }
