@@ -112,8 +112,8 @@ class Residuals:
         bucket = np.where(y == 1, 0, np.minimum(47, 2 * x + ((y >> np.maximum(x - 1, 0)) & 1)))
         need(bucket.min() >= first and bucket.max() < first + len(scales), "a bucket without a scale")
         scale = scales[bucket - first]
-        table = np.where(scale < 16, scale, 16 + scale % 2)
-        low = np.where(scale < 16, 0, (scale - 16) // 2)
+        table = np.select([scale < 16, scale == 63], [scale, 0], 16 + scale % 2)
+        low = np.select([scale < 16, scale == 63], [0, 3], (scale - 16) // 2)
         token = self._tokens(table.tolist())
         octave = np.where(token < 16, 0, (token - 16) // 4 + 2)
         z = np.where(token < 16, token, (4 + token % 4) << octave) << low
@@ -218,19 +218,21 @@ def stage(stream, e, mean=None):
 
 
 def _vertical(p, residual, known, mean):
-    """Class V from its predictions, row by row where means constrain them."""
+    """Class V from its predictions, row by row where means constrain them (7.2)."""
+    v = p + residual
     if mean is None:
-        return in_range(p + residual)
+        return in_range(v)
     e, c, h = known
-    v = np.empty_like(p)
-    for j in range(len(p)):
-        row = p[j].copy()
-        if j >= 1:
-            rest = (16 * mean[j, 1:-1] - 4 * e[j, 1:-1] - 2 * (h[j, :-1] + h[j, 1:])
-                    - (c[j - 1, :-1] + c[j - 1, 1:] + c[j, :-1] + c[j, 1:]) - 2 * v[j - 1, 1:-1])
-            row[1:-1] = np.clip(row[1:-1], (rest - 7) >> 1, (rest + 7) >> 1)
-        v[j] = in_range(row + residual[j])
-    return v
+    for j in range(1, len(p)):
+        rest = (16 * mean[j, 1:-1] - 4 * e[j, 1:-1] - 2 * (h[j, :-1] + h[j, 1:])
+                - (c[j - 1, :-1] + c[j - 1, 1:] + c[j, :-1] + c[j, 1:]) - 2 * v[j - 1, 1:-1])
+        low, high = (rest - 7) >> 1, (rest + 7) >> 1
+        near = np.clip(p[j, 1:-1], low, high)
+        both = np.minimum(near - low, high - near)
+        rank = _number(residual[j, 1:-1], 7)
+        beyond = np.where(high - near > near - low, rank - both, both - rank)
+        v[j, 1:-1] = near + np.where(rank <= 2 * both, -residual[j, 1:-1], beyond)
+    return in_range(v)
 
 
 def join(e, c, h, v):
@@ -307,9 +309,9 @@ def block_extremes(own):
 
 
 def _number(residual, limit):
-    """A code or a difference of codes from its residual."""
+    """A code or a rank from its residual."""
     n = np.where(residual >= 0, 2 * residual, -2 * residual - 1)
-    need(n.max() <= limit, "a code is out of range")
+    need(n.max() <= limit, "a code or a rank is out of range")
     return n
 
 
@@ -366,24 +368,39 @@ def local_deviation(own):
     return code.astype(np.uint8)
 
 
+def _groups(data, context, bounds):
+    """Values by their context's group, and the bytes that follow."""
+    group = np.searchsorted(bounds, context, side="right")
+    need(len(data) >= 24, "deviation: no room for its lengths")
+    lengths = [int.from_bytes(data[3 * g:3 * g + 3], "little") for g in range(8)]
+    values, at = np.zeros(len(context), np.int64), 24
+    for g, length in enumerate(lengths):
+        need(at + length <= len(data), "deviation: a group ends early")
+        if length:
+            values[group == g] = _frame(data[at:at + length], int((group == g).sum()))
+        at += length
+    return values, data[at:]
+
+
 def deviation(data, own):
     """Deviation codes of a present tile (8.2)."""
     local = local_deviation(own)
     if not data:
         return local
     local = local.astype(np.int64)
-    stream = Residuals(data)
-    centre = local[1::2, 1::2]
+    centre, sides = local[1::2, 1::2], [local[::2, 1::2], local[1::2, ::2]]
     pad = np.pad(centre, 1, mode="edge")
     around = sum(pad[b:b + HALF, a:a + HALF] for a in range(3) for b in range(3))
-    centre = (centre + _number(stream.take(np.maximum(0, around - 9 * centre + 64)), 255)) % 256
+    values, data = _groups(data, (around - 9 * centre).ravel(), [-18, -6, 0, 6, 18, 36, 72])
+    centre = (centre + values.reshape(centre.shape)) % 256
     pad = np.pad(centre, 1, constant_values=255)
-    sides = []
-    for part, lid in [(np.s_[::2, 1::2], np.minimum(pad[:-1, 1:-1], pad[1:, 1:-1])),
-                      (np.s_[1::2, ::2], np.minimum(pad[1:-1, :-1], pad[1:-1, 1:]))]:
-        sides.append((lid - _number(stream.take(np.maximum(0, lid - local[part])), 255)) % 256)
-    stream.finish()
-    return join(np.zeros((HALF + 1, HALF + 1), np.int64), centre, *sides).astype(np.uint8)
+    lids = [np.minimum(pad[:-1, 1:-1], pad[1:, 1:-1]), np.minimum(pad[1:-1, :-1], pad[1:-1, 1:])]
+    room = np.concatenate([np.maximum(0, lid - side).ravel() for lid, side in zip(lids, sides)])
+    values, data = _groups(data, room, [1, 2, 3, 5, 7, 10, 15])
+    need(not data, "deviation: bytes left over")
+    parts = np.split(values, [sides[0].size])
+    h, v = [(side + part.reshape(side.shape)) % 256 for side, part in zip(sides, parts)]
+    return join(np.zeros((HALF + 1, HALF + 1), np.int64), centre, h, v).astype(np.uint8)
 
 
 def filled(data):

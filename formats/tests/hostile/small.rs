@@ -63,20 +63,11 @@ pub fn small_file(plane: bool) -> Vec<u8> {
 
 const NODES: usize = TILE_NODES * TILE_NODES;
 
-/// Flat ground with a hill and a spike, and planes that differ a little from what predicts them.
+/// Flat ground with a hill and a spike, and bounds and deviations beyond what predicts them.
 fn tile(key: TileKey, grid: Grid) -> EncodedTile {
     let root = key.level == grid.root_level();
-    let above = (!root).then(root_nodes);
-    let nodes = match &above {
-        None => root_nodes(),
-        Some(above) => {
-            let mut nodes = interpolate(&quarter(above, key.quadrant()), HALF);
-            // New nodes only: the others are the parent's.
-            nodes.iter_mut().skip(61 * TILE_NODES).step_by(2).take(100).for_each(|q| *q += 3);
-            nodes
-        }
-    };
-    let parent_mean = above.map(|above| quarter(&means(&above), key.quadrant()));
+    let nodes = if root { root_nodes() } else { fine_nodes(key.quadrant()) };
+    let parent_mean = (!root).then(|| quarter(&means(), key.quadrant()));
     let mut extremes = of_nodes(&nodes);
     extremes.iter_mut().step_by(500).for_each(|e| e.min -= 1);
     let mut deviations = local_deviation(&nodes, TILE_NODES).expect("an odd side");
@@ -86,7 +77,7 @@ fn tile(key: TileKey, grid: Grid) -> EncodedTile {
         key,
         root,
         nodes: &nodes,
-        mip: &means(&nodes),
+        mip: &means(),
         parent_mean: parent_mean.as_deref(),
         extremes: &extremes,
         deviations: &deviations,
@@ -101,7 +92,25 @@ fn root_nodes() -> Vec<i32> {
     nodes
 }
 
-/// Not true means: a reader takes what the file says.
-fn means(nodes: &[i32]) -> Vec<i32> {
-    nodes.iter().map(|q| q - q / 16).collect()
+/// Nodes below a quarter of the root's: its own, and some new ones that stand out.
+fn fine_nodes(quadrant: (usize, usize)) -> Vec<i32> {
+    let mut nodes = interpolate(&quarter(&root_nodes(), quadrant), HALF);
+    nodes.iter_mut().skip(61 * TILE_NODES).step_by(2).take(100).for_each(|q| *q += 3);
+    nodes
+}
+
+/// The root's means: true ones inside every quarter, as if all had finer tiles.
+fn means() -> Vec<i32> {
+    let mut means = root_nodes();
+    for (x0, y0) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let fine = fine_nodes((x0, y0));
+        for (x, y) in (1..HALF).flat_map(|y| (1..HALF).map(move |x| (x, y))) {
+            let weighted = (0..9).map(|k| {
+                let (a, b) = (k % 3, k / 3);
+                [1, 2, 1][a] * [1, 2, 1][b] * fine[(2 * y + b - 1) * TILE_NODES + 2 * x + a - 1]
+            });
+            means[(y0 * HALF + y) * TILE_NODES + x0 * HALF + x] = (weighted.sum::<i32>() + 8) >> 4;
+        }
+    }
+    means
 }
