@@ -43,11 +43,24 @@ fn unrank(rank: u32, prediction: i32, (low, high): (i32, i32)) -> i32 {
     let near = prediction.clamp(low, high);
     let (below, above) = (near - low, high - near);
     let both = below.min(above);
-    if rank <= 2 * both as u32 {
-        near - unzigzag(rank)
-    } else {
-        let beyond = (rank as i32).wrapping_sub(both);
-        if above > below { near.wrapping_add(beyond) } else { near.wrapping_sub(beyond) }
+    let rank_i = rank as i32;
+    let turn = unzigzag(rank).wrapping_neg();
+    let beyond = rank_i.wrapping_sub(both);
+    let side = if above > below { beyond } else { beyond.wrapping_neg() };
+    near.wrapping_add(if rank <= 2 * both as u32 { turn } else { side })
+}
+
+/// A row of V from the row to its south: ranks, predictions and partial sums side by side.
+#[multiversion(targets = "simd")]
+fn unrank_row(partial: &[i32], south: &[i32], prediction: &[i32], residual: &[i32], out: &mut [i32]) {
+    let n = out.len();
+    let (partial, south, prediction, residual) = (&partial[..n], &south[..n], &prediction[..n], &residual[..n]);
+    for i in 0..n {
+        let rest = partial[i] - 2 * south[i];
+        let bounds = ((rest - 7) >> 1, (rest + 7) >> 1);
+        // A damaged plane may hold anything; the caller rejects samples out of range.
+        let v = unrank(zigzag(residual[i]), prediction[i].clamp(-(1 << 28), 1 << 28), bounds);
+        out[i] = v.clamp(-SAMPLE_LIMIT - 1, SAMPLE_LIMIT + 1);
     }
 }
 
@@ -93,13 +106,15 @@ pub fn reconstruct(means: Means<'_>, new: &mut Classes, n: usize, prediction: &[
     new.v.clear();
     new.v.extend(prediction.iter().zip(residual).map(|(p, r)| hold(p.wrapping_add(*r))));
     for j in 1..n {
-        let (south, north) = new.v.split_at_mut(j * w);
-        let south = &south[(j - 1) * w..];
-        for i in 1..n {
-            let k = j * w + i;
-            let bounds = interval(partial[k], south[i]);
-            north[i] = hold(unrank(zigzag(residual[k]), prediction[k], bounds));
-        }
+        let (before, here) = new.v.split_at_mut(j * w);
+        let (row, inner) = (j * w + 1, n - 1);
+        unrank_row(
+            &partial[row..][..inner],
+            &before[row - w..][..inner],
+            &prediction[row..][..inner],
+            &residual[row..][..inner],
+            &mut here[1..][..inner],
+        );
     }
 }
 
