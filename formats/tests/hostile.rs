@@ -14,7 +14,7 @@ use relief_formats::file::index::Digest;
 use relief_formats::file::section::{INDEX, TILES};
 use relief_formats::file::{FormatError, Plane, Relief};
 use relief_formats::tiles::Tiles;
-use small::small_file;
+use small::{file_with_mesh, small_file};
 
 /// Decoded tiles that a reader keeps at most in these tests, the planes it is working on and the
 /// mesh: a constant beside the file's size.
@@ -100,6 +100,13 @@ fn every_cut_is_an_error() {
         let longer = [good.as_slice(), &[0; 64]].concat();
         assert!(Relief::from_bytes(&longer).is_err());
     }
+}
+
+#[test]
+fn a_mesh_of_another_map_is_refused() {
+    let mesh = |m| Relief::from_bytes(&file_with_mesh(true, m)).expect("a good file").patch_mesh();
+    assert_eq!(mesh(8).expect("its mesh").m, 8);
+    assert!(matches!(mesh(10), Err(FormatError::Damaged(text)) if text.contains("m = 10")));
 }
 
 /// What stands in the bytes of tiles may be anything once nobody checks digests.

@@ -23,7 +23,7 @@ pub fn height_q(grid: Grid, kind: Kind, i: u32, j: u32) -> i32 {
     };
     let land: i64 = octaves.map(|o| value_noise(o, i, j, width)).sum();
     let q = match kind {
-        Kind::Seas if hash(i, j, 77) % 5000 == 0 => 144_000,
+        Kind::Seas if hash(i, j, 77) .is_multiple_of(5000) => 144_000,
         Kind::Seas => land.max(-100),
         Kind::Rough => land / 4,
         Kind::Extremes if j < height / 2 => -11_000,
@@ -40,7 +40,7 @@ pub fn filled(grid: Grid, i: u32, j: u32) -> bool {
     let block = (40..90).contains(&i) && (100..130).contains(&j);
     let stripe = grid.m > 9 && (512..=768).contains(&i) && j <= 256;
     let pole = j == 0 || j == grid.height(0);
-    !pole && (block || stripe || hash(i, j, 5) % 997 == 0)
+    !pole && (block || stripe || hash(i, j, 5).is_multiple_of(997))
 }
 
 /// Bilinear noise between hashed values on a lattice of 2^octave nodes, wrapped at `width`.

@@ -65,7 +65,7 @@ pub fn plane_nodes(data: &[u8]) {
             0 => 0,
             1 => ((k * k) as i32 & 0x3ff) - 100 * (k % side) as i32,
             _ => {
-                if k % 2 == 0 {
+                if k.is_multiple_of(2) {
                     SAMPLE_LIMIT
                 } else {
                     -SAMPLE_LIMIT

@@ -8,7 +8,7 @@ use memmap2::Mmap;
 use super::header::HEADER_BYTES;
 use super::index::ENTRY_BYTES;
 use super::section::{INDEX, MAX_SECTIONS, MESH, META, ROW_BYTES, Section, TILES};
-use super::writer::{TAIL_BYTES, tail};
+use super::writer::{TAIL_BYTES, tail_of};
 use super::{Entry, FormatError, Header, Metadata, Plane};
 use crate::body::Body;
 use crate::grid::Grid;
@@ -50,7 +50,7 @@ impl Relief {
             return Err(FormatError::damaged("no room for the sections that the header counts"));
         }
         let tail_at = map.len() - TAIL_BYTES;
-        if map[tail_at..] != tail(&map[..HEADER_BYTES], header.file_bytes) {
+        if map[tail_at..] != tail_of(&map[..HEADER_BYTES], header.file_bytes) {
             return Err(FormatError::damaged("the tail does not match the header"));
         }
         let table = &map[HEADER_BYTES..HEADER_BYTES + rows];

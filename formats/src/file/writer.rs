@@ -152,7 +152,7 @@ fn write_all(
     };
     header.content_id = content_id(&header.identity_bytes(), placed.iter());
     let head = header.encode();
-    out.write_all(&tail(&head, header.file_bytes))?;
+    out.write_all(&tail_of(&head, header.file_bytes))?;
     out.seek(SeekFrom::Start(0))?;
     out.write_all(&head)?;
     out.write_all(&rows)?;
@@ -160,10 +160,15 @@ fn write_all(
     Ok(header)
 }
 
-/// The last 64 bytes of a file with these header bytes: the signature backwards, the file's size,
-/// the header's checksum, zeros.
+/// The last 64 bytes: the signature backwards, the file's size, the header's checksum, zeros.
 #[must_use]
-pub(super) fn tail(header: &[u8], file_bytes: u64) -> [u8; TAIL_BYTES] {
+pub fn tail(header: &Header) -> [u8; TAIL_BYTES] {
+    tail_of(&header.encode(), header.file_bytes)
+}
+
+/// The tail of a file with these header bytes, of which a newer version may have written more than
+/// [`Header`] knows.
+pub(super) fn tail_of(header: &[u8], file_bytes: u64) -> [u8; TAIL_BYTES] {
     let mut bytes = [0; TAIL_BYTES];
     for (to, from) in bytes.iter_mut().zip(MAGIC.iter().rev()) {
         *to = *from;

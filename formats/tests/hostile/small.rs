@@ -14,6 +14,11 @@ use relief_formats::tile_planes::{EncodedTile, TileSamples, encode};
 /// A file of mostly flat ground: a plane of m = 8 (one tile), or a globe of m = 9 with both root
 /// tiles and two of the eight finer ones.
 pub fn small_file(plane: bool) -> Vec<u8> {
+    file_with_mesh(plane, if plane { 8 } else { 9 })
+}
+
+/// The same with the mesh of an exponent `mesh_m`.
+pub fn file_with_mesh(plane: bool, mesh_m: u32) -> Vec<u8> {
     let body = match plane {
         true => Body::Plane { crs_wkt: "x".into(), x0: 1.5, y0: -2.0, dx: 10.0, dy: 10.0 },
         false => Body::moon(),
@@ -41,7 +46,7 @@ pub fn small_file(plane: bool) -> Vec<u8> {
         bound_m: 0.5,
         versions: Default::default(),
     };
-    let mesh = encode_section(&patch_mesh(&body, &grid, MeshLayout::Aligned));
+    let mesh = encode_section(&patch_mesh(&body, &Grid::new(mesh_m, plane), MeshLayout::Aligned));
     let spec = FileSpec {
         body: &body,
         m: grid.m,
