@@ -121,7 +121,7 @@ fn write_stage(writer: &mut PlaneWriter, even: &[i32], new: &Classes, mean: Opti
     let mut rv = vec![0; edges];
     predict_v(even, &new.c, &rc, &rh, n, &mut p, &mut a);
     match mean {
-        Some(mean) => constraint::residuals(Means { even, mean }, new, n, &mut p, &mut rv),
+        Some(mean) => constraint::residuals(Means { even, mean }, new, n, &p, &mut rv),
         None => subtract(&new.v, &p, &mut rv),
     }
     writer.class(&rv, &a, n + 1);
@@ -149,7 +149,7 @@ fn read_stage(
     reader.class(&a, &mut rv, n + 1)?;
     match mean {
         Some(mean) => {
-            constraint::reconstruct(Means { even, mean }, &mut new, n, &mut p, &rv);
+            constraint::reconstruct(Means { even, mean }, &mut new, n, &p, &rv);
             check_range(&new.v)?;
         }
         None => new.v = add(&p, &rv)?,

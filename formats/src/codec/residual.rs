@@ -10,7 +10,7 @@ use multiversion::multiversion;
 use super::bits::{BitReader, BitWriter};
 use super::rans::{Decoder, Encoder, slot_base};
 use super::token::{
-    ESCAPE, ESCAPE_BITS, SCALES, TOKENS, low_bits, table_of, token_range, tokenize, unzigzag, zigzag,
+    ESCAPE_BITS, EVEN_SCALE, SCALES, TOKENS, low_bits, table_of, token_range, tokenize, unzigzag, zigzag,
 };
 use super::CodecError;
 
@@ -30,17 +30,23 @@ pub fn buckets(activity: &[i32], out: &mut [u8]) {
 /// mean |residual| of scale t is near 2^((t - 8) / 2). A reader takes whatever the plane says.
 #[must_use]
 pub fn choose_scales(bucket: &[u8], residual: &[i32]) -> (usize, usize, [u8; BUCKETS]) {
-    let mut sum = [(0u64, 0u64); BUCKETS];
+    let mut sum = [(0u64, 0u64, 0u32); BUCKETS];
     for (&b, &r) in bucket.iter().zip(residual) {
-        let (total, count) = &mut sum[b as usize];
+        let (total, count, largest) = &mut sum[b as usize];
         *total += u64::from(r.unsigned_abs());
         *count += 1;
+        *largest = (*largest).max(zigzag(r));
     }
     let first = sum.iter().position(|s| s.1 > 0).unwrap_or(0);
     let last = sum.iter().rposition(|s| s.1 > 0).unwrap_or(0);
-    let scale = sum.map(|(total, count)| {
+    let scale = sum.map(|(total, count, largest)| {
         let mean = (total as f64 / count.max(1) as f64).max(1e-9);
-        (2.0 * mean.log2() + 8.0).round().clamp(0.0, SCALES as f64 - 1.0) as u8
+        // Even over eight values the mean is 2; a peaked spread that fits there has a smaller one.
+        if largest < 8 && mean > 1.6 {
+            EVEN_SCALE
+        } else {
+            (2.0 * mean.log2() + 8.0).round().clamp(0.0, f64::from(EVEN_SCALE) - 1.0) as u8
+        }
     });
     (first, last, scale)
 }
@@ -226,25 +232,24 @@ impl<'a> PlaneReader<'a> {
 
     fn samples(&mut self, scale: &[u8; BUCKETS], activity: &[i32], residual: &mut [i32]) {
         let Some(parts) = &mut self.parts else { return };
-        let bases = scale.map(|t| slot_base(table_of(t)));
-        let lows = scale.map(low_bits);
         self.bucket.resize(residual.len(), 0);
         self.base.resize(residual.len(), 0);
         self.token.resize(residual.len(), 0);
         buckets(activity, &mut self.bucket);
+        // 64 entries, so that the index needs no check; buckets end at 47.
+        let mut bases = [0; 64];
+        let mut rows = [&READINGS[0]; 64];
+        for (b, &t) in scale.iter().enumerate() {
+            bases[b] = slot_base(table_of(t));
+            rows[b] = &READINGS[t as usize % SCALES];
+        }
         for (base, &b) in self.base.iter_mut().zip(&self.bucket) {
-            *base = bases[b as usize % BUCKETS];
+            *base = bases[b as usize & 63];
         }
         parts.rans.class(&self.base, &mut self.token);
         for ((r, &token), &b) in residual.iter_mut().zip(&self.token).zip(&self.bucket) {
-            let k = lows[b as usize % BUCKETS];
-            let (base, n) = RANGES[token as usize % RANGES.len()];
-            let z = if token == ESCAPE {
-                parts.raw.get(ESCAPE_BITS)
-            } else {
-                (base << k) + parts.raw.get(n + k)
-            };
-            *r = unzigzag(z);
+            let Reading { base, bits } = rows[b as usize & 63][token as usize & 63];
+            *r = unzigzag(base + parts.raw.get(bits));
         }
     }
 
@@ -275,14 +280,28 @@ fn take_rows(header: &mut &[u8], count: usize) -> Result<Vec<Row>, CodecError> {
         .collect()
 }
 
-static RANGES: [(u32, u32); 64] = {
-    let mut ranges = [(0, 0); 64];
-    let mut token = 0;
-    while token < TOKENS - 1 {
-        ranges[token] = token_range(token as u8);
-        token += 1;
+/// What a token of a scale stands for: z = base + the next raw bits.
+#[derive(Clone, Copy)]
+struct Reading {
+    base: u32,
+    bits: u32,
+}
+
+/// [`Reading`]s of every scale and token.
+static READINGS: [[Reading; 64]; SCALES] = {
+    let mut readings = [[Reading { base: 0, bits: ESCAPE_BITS }; 64]; SCALES];
+    let mut t = 0;
+    while t < SCALES {
+        let low = low_bits(t as u8);
+        let mut token = 0;
+        while token < TOKENS - 1 {
+            let (base, bits) = token_range(token as u8);
+            readings[t][token] = Reading { base: base << low, bits: bits + low };
+            token += 1;
+        }
+        t += 1;
     }
-    ranges
+    readings
 };
 
 #[cfg(test)]
