@@ -4,6 +4,8 @@
 
 #[path = "validate/build.rs"]
 mod build;
+#[path = "validate/command.rs"]
+mod command;
 #[path = "validate/container.rs"]
 mod container;
 #[path = "validate/samples.rs"]
