@@ -10,6 +10,14 @@ pub mod file;
 pub mod geodesy;
 pub mod grid;
 pub mod mesh;
+pub mod surface;
 pub mod tile;
 pub mod tile_planes;
 pub mod tiles;
+
+// The sample files of the whole-program tests name this crate from outside.
+#[cfg(test)]
+extern crate self as relief_formats;
+#[cfg(test)]
+#[path = "../../tests/support/sample_file.rs"]
+mod sample_file;

@@ -50,7 +50,9 @@ pub enum ToolError {
         error: relief_formats::file::FormatError,
     },
     /// The user pressed Ctrl-C or the process was asked to end.
-    #[error("interrupted\n  rule: no output is published before it is whole\n  remedy: run again with --resume to go on")]
+    #[error(
+        "interrupted\n  rule: no output is published before it is whole\n  remedy: run again with --resume to go on"
+    )]
     Interrupted,
 }
 

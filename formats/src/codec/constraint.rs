@@ -7,6 +7,8 @@
 use multiversion::multiversion;
 
 use super::lifting::Classes;
+use super::nodes::SAMPLE_LIMIT;
+use super::token::{unzigzag, zigzag};
 
 /// The even samples of a square and the means known around them, (n+1)^2 each.
 #[derive(Clone, Copy)]
@@ -17,13 +19,48 @@ pub struct Means<'a> {
     pub mean: &'a [i32],
 }
 
-/// Replaces row `j` >= 1 of `prediction` (of class V) by the value in the allowed interval that
-/// is nearest to it, from the sums that [`partial_sums`] left and V's row j - 1.
-#[inline]
-fn clamp_row(partial: &[i32], south: &[i32], prediction: &mut [i32]) {
-    for ((p, &v), &s) in prediction.iter_mut().zip(south).zip(partial) {
-        let rest = s - 2 * v;
-        *p = (*p).clamp((rest - 7) >> 1, (rest + 7) >> 1);
+/// The eight values that are left for a sample whose southern counterpart is `south`.
+#[inline(always)]
+const fn interval(partial: i32, south: i32) -> (i32, i32) {
+    let rest = partial - 2 * south;
+    ((rest - 7) >> 1, (rest + 7) >> 1)
+}
+
+/// A sample in its interval as a rank: 0 for the value nearest to the prediction, then by turns
+/// below and above it, then the rest of the longer side.
+#[inline(always)]
+fn rank(sample: i32, prediction: i32, (low, high): (i32, i32)) -> u32 {
+    let near = prediction.clamp(low, high);
+    let (below, above) = (near - low, high - near);
+    let both = below.min(above);
+    let offset = sample - near;
+    if offset.abs() <= both { zigzag(-offset) } else { (offset.abs() + both) as u32 }
+}
+
+/// Inverse of [`rank`]; a rank that only a damaged plane holds gives some value near the interval.
+#[inline(always)]
+fn unrank(rank: u32, prediction: i32, (low, high): (i32, i32)) -> i32 {
+    let near = prediction.clamp(low, high);
+    let (below, above) = (near - low, high - near);
+    let both = below.min(above);
+    let rank_i = rank as i32;
+    let turn = unzigzag(rank).wrapping_neg();
+    let beyond = rank_i.wrapping_sub(both);
+    let side = if above > below { beyond } else { beyond.wrapping_neg() };
+    near.wrapping_add(if rank <= 2 * both as u32 { turn } else { side })
+}
+
+/// A row of V from the row to its south: ranks, predictions and partial sums side by side.
+#[multiversion(targets = "simd")]
+fn unrank_row(partial: &[i32], south: &[i32], prediction: &[i32], residual: &[i32], out: &mut [i32]) {
+    let n = out.len();
+    let (partial, south, prediction, residual) = (&partial[..n], &south[..n], &prediction[..n], &residual[..n]);
+    for i in 0..n {
+        let rest = partial[i] - 2 * south[i];
+        let bounds = ((rest - 7) >> 1, (rest + 7) >> 1);
+        // A damaged plane may hold anything; the caller rejects samples out of range.
+        let v = unrank(zigzag(residual[i]), prediction[i].clamp(-(1 << 28), 1 << 28), bounds);
+        out[i] = v.clamp(-SAMPLE_LIMIT - 1, SAMPLE_LIMIT + 1);
     }
 }
 
@@ -43,35 +80,62 @@ fn partial_sums(means: Means<'_>, c: &[i32], h: &[i32], n: usize, out: &mut [i32
     }
 }
 
-/// Turns predictions of V into residuals: `residual` = V - clamped prediction.
-pub fn residuals(means: Means<'_>, new: &Classes, n: usize, prediction: &mut [i32], residual: &mut [i32]) {
+/// The residuals of V: ranks where the interval is known, else differences to the prediction.
+pub fn residuals(means: Means<'_>, new: &Classes, n: usize, prediction: &[i32], residual: &mut [i32]) {
     let w = n + 1;
     let mut partial = vec![0; w * w];
     partial_sums(means, &new.c, &new.h, n, &mut partial);
-    for j in 1..n {
-        let inner = j * w + 1..j * w + n;
-        clamp_row(&partial[inner.clone()], &new.v[inner.start - w..inner.end - w], &mut prediction[inner]);
-    }
-    for ((r, v), p) in residual.iter_mut().zip(&new.v).zip(prediction.iter()) {
+    for ((r, v), p) in residual.iter_mut().zip(&new.v).zip(prediction) {
         *r = v - p;
+    }
+    for j in 1..n {
+        for k in j * w + 1..j * w + n {
+            let bounds = interval(partial[k], new.v[k - w]);
+            residual[k] = unzigzag(rank(new.v[k], prediction[k], bounds));
+        }
     }
 }
 
-/// Inverse of [`residuals`]: fills `v` from predictions and residuals, row by row.
-pub fn reconstruct(means: Means<'_>, new: &mut Classes, n: usize, prediction: &mut [i32], residual: &[i32]) {
+/// Inverse of [`residuals`]: fills `new.v`, row by row.
+pub fn reconstruct(means: Means<'_>, new: &mut Classes, n: usize, prediction: &[i32], residual: &[i32]) {
+    // A damaged plane may hold anything; the caller rejects samples out of range.
+    let hold = |v: i32| v.clamp(-SAMPLE_LIMIT - 1, SAMPLE_LIMIT + 1);
     let w = n + 1;
     let mut partial = vec![0; w * w];
     partial_sums(means, &new.c, &new.h, n, &mut partial);
-    new.v.resize(w * n, 0);
-    for j in 0..n {
-        let row = j * w..(j + 1) * w;
-        if j >= 1 {
-            let inner = row.start + 1..row.end - 1;
-            clamp_row(&partial[inner.clone()], &new.v[inner.start - w..inner.end - w], &mut prediction[inner]);
-        }
-        for ((v, p), r) in new.v[row.clone()].iter_mut().zip(&prediction[row.clone()]).zip(&residual[row]) {
-            // A damaged plane may hold anything; the caller rejects samples out of range.
-            *v = p.wrapping_add(*r).clamp(-super::nodes::SAMPLE_LIMIT - 1, super::nodes::SAMPLE_LIMIT + 1);
+    new.v.clear();
+    new.v.extend(prediction.iter().zip(residual).map(|(p, r)| hold(p.wrapping_add(*r))));
+    for j in 1..n {
+        let (before, here) = new.v.split_at_mut(j * w);
+        let (row, inner) = (j * w + 1, n - 1);
+        unrank_row(
+            &partial[row..][..inner],
+            &before[row - w..][..inner],
+            &prediction[row..][..inner],
+            &residual[row..][..inner],
+            &mut here[1..][..inner],
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn ranks_are_dense_and_invertible(prediction in -50i32..50, partial in -90i32..90, south in -9i32..9) {
+            let bounds = interval(partial, south);
+            prop_assert_eq!(bounds.1 - bounds.0, 7);
+            let mut seen = [false; 8];
+            for v in bounds.0..=bounds.1 {
+                let r = rank(v, prediction, bounds);
+                prop_assert_eq!(unrank(r, prediction, bounds), v);
+                seen[r as usize] = true;
+            }
+            prop_assert!(seen.iter().all(|&s| s));
+            prop_assert_eq!(rank(prediction.clamp(bounds.0, bounds.1), prediction, bounds), 0);
         }
     }
 }

@@ -2,15 +2,21 @@
 //!
 //! The nine nodes of a 2 x 2 block are the exact answer at level 0 and the prediction above it.
 //! What lies beyond them is stored as a code times a unit: a power of two, an eighth to a quarter
-//! of the nine nodes' own range. Stored bounds never lie inside the true ones.
+//! of the nine nodes' own range. Stored bounds never lie inside the true ones. Codes are coded as
+//! two classes, first below then above, under the bits of that range.
 
 use super::CodecError;
 use super::nodes::{HALF, SAMPLE_LIMIT};
+use super::residual::{PlaneReader, PlaneWriter};
+use super::token::{unzigzag, zigzag};
 use crate::derive::extremes::Extremes;
 use crate::tile::TILE_NODES;
 
 /// Cells of the plane.
 pub const CELLS: usize = HALF * HALF;
+
+/// The code of 2^24 units, more than any height is away.
+const LAST_CODE: u8 = 104;
 
 /// Extremes of the nine nodes of every 2 x 2 block of a tile's nodes (257 x 257).
 #[must_use]
@@ -62,18 +68,20 @@ pub fn encode(extremes: &[Extremes], nodes: &[i32]) -> (Vec<u8>, Vec<Extremes>) 
     if predicted == extremes {
         return (Vec::new(), predicted);
     }
-    let mut codes = vec![0; 2 * CELLS];
-    let (lows, highs) = codes.split_at_mut(CELLS);
+    let (mut lows, mut highs) = (vec![0; CELLS], vec![0; CELLS]);
     let mut stored = Vec::with_capacity(CELLS);
-    for (((t, p), low), high) in extremes.iter().zip(&predicted).zip(lows).zip(highs) {
+    for (((t, p), low), high) in extremes.iter().zip(&predicted).zip(&mut lows).zip(&mut highs) {
         let bits = unit_bits(p.max - p.min);
-        let units = |excess: i32| i64::from(excess.max(0)).div_ceil_pow2(bits);
-        *low = encode_code(units(p.min - t.min));
-        *high = encode_code(units(t.max - p.max));
-        stored.push(widen(*p, bits, *low, *high));
+        let code = |excess: i32| encode_code((i64::from(excess.max(0)) + (1 << bits) - 1) >> bits);
+        let (below, above) = (code(p.min - t.min), code(t.max - p.max));
+        (*low, *high) = (unzigzag(u32::from(below)), unzigzag(u32::from(above)));
+        stored.push(widen(*p, bits, below, above));
     }
-    // Writing to memory cannot fail; an empty frame would be refused by every reader.
-    (zstd::bulk::compress(&codes, 3).unwrap_or_default(), stored)
+    let activity = activity(&predicted);
+    let mut writer = PlaneWriter::default();
+    writer.class(&lows, &activity, HALF);
+    writer.class(&highs, &activity, HALF);
+    (writer.finish(), stored)
 }
 
 /// Decodes what [`encode`] wrote.
@@ -82,16 +90,20 @@ pub fn decode(plane: &[u8], nodes: &[i32]) -> Result<Vec<Extremes>, CodecError> 
     if plane.is_empty() {
         return Ok(predicted);
     }
-    let codes = zstd::bulk::decompress(plane, 2 * CELLS).map_err(|_| CodecError::Frame)?;
-    if codes.len() != 2 * CELLS {
-        return Err(CodecError::Truncated);
-    }
-    let (lows, highs) = codes.split_at(CELLS);
-    if codes.iter().any(|&c| c > 104) {
-        return Err(CodecError::Range);
-    }
+    let activity = activity(&predicted);
+    let (mut lows, mut highs) = (vec![0; CELLS], vec![0; CELLS]);
+    let mut reader = PlaneReader::new(plane)?;
+    reader.class(&activity, &mut lows, HALF)?;
+    reader.class(&activity, &mut highs, HALF)?;
+    reader.finish()?;
+    let code = |r: i32| u8::try_from(zigzag(r)).ok().filter(|&c| c <= LAST_CODE).ok_or(CodecError::Range);
     let cells = predicted.iter().zip(lows).zip(highs);
-    Ok(cells.map(|((p, &low), &high)| widen(*p, unit_bits(p.max - p.min), low, high)).collect())
+    cells.map(|((p, low), high)| Ok(widen(*p, unit_bits(p.max - p.min), code(low)?, code(high)?))).collect()
+}
+
+/// The codes' activity: how many units the nine nodes span, so flats and slopes part.
+fn activity(predicted: &[Extremes]) -> Vec<i32> {
+    predicted.iter().map(|p| p.max - p.min).collect()
 }
 
 fn widen(p: Extremes, bits: u32, low: u8, high: u8) -> Extremes {
@@ -99,16 +111,6 @@ fn widen(p: Extremes, bits: u32, low: u8, high: u8) -> Extremes {
     Extremes {
         min: (i64::from(p.min) - (decode_code(low) << bits)).max(-limit) as i32,
         max: (i64::from(p.max) + (decode_code(high) << bits)).min(limit) as i32,
-    }
-}
-
-trait DivCeilPow2 {
-    fn div_ceil_pow2(self, bits: u32) -> Self;
-}
-
-impl DivCeilPow2 for i64 {
-    fn div_ceil_pow2(self, bits: u32) -> Self {
-        (self + (1 << bits) - 1) >> bits
     }
 }
 
@@ -122,7 +124,7 @@ mod tests {
     fn codes_round_up_and_never_below() {
         for units in (0..5000).chain([1 << 24, (1 << 24) - 1, (1 << 25) - 3]) {
             let code = encode_code(units);
-            assert!(code <= 104 && decode_code(code) >= units, "{units}");
+            assert!(code <= LAST_CODE && decode_code(code) >= units, "{units}");
             assert!(units == 0 || decode_code(code - 1) < units, "{units}");
         }
     }
@@ -147,12 +149,13 @@ mod tests {
     }
 
     #[test]
-    fn damaged_frames_are_refused() {
+    fn damage_is_refused() {
         let nodes = terrain(1, 1, TILE_NODES);
-        assert_eq!(decode(&[1, 2, 3], &nodes), Err(CodecError::Frame));
-        let short = zstd::bulk::compress(&[0; 100], 1).unwrap();
-        assert_eq!(decode(&short, &nodes), Err(CodecError::Truncated));
-        let wild = zstd::bulk::compress(&[255; 2 * CELLS], 1).unwrap();
-        assert_eq!(decode(&wild, &nodes), Err(CodecError::Range));
+        assert_eq!(decode(&[1, 2, 3], &nodes), Err(CodecError::Truncated));
+        let mut writer = PlaneWriter::default();
+        let wild = vec![unzigzag(u32::from(LAST_CODE) + 1); CELLS];
+        writer.class(&wild, &activity(&of_nodes(&nodes)), HALF);
+        writer.class(&wild, &activity(&of_nodes(&nodes)), HALF);
+        assert_eq!(decode(&writer.finish(), &nodes), Err(CodecError::Range));
     }
 }

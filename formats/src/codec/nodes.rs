@@ -113,18 +113,18 @@ fn write_stage(writer: &mut PlaneWriter, even: &[i32], new: &Classes, mean: Opti
     let mut rc = vec![0; n * n];
     predict_c(even, n, &mut p, &mut a);
     subtract(&new.c, &p, &mut rc);
-    writer.class(&rc, &a[..n * n]);
+    writer.class(&rc, &a[..n * n], n);
     let mut rh = vec![0; edges];
     predict_h(even, &new.c, &rc, n, &mut p, &mut a);
     subtract(&new.h, &p, &mut rh);
-    writer.class(&rh, &a);
+    writer.class(&rh, &a, n);
     let mut rv = vec![0; edges];
     predict_v(even, &new.c, &rc, &rh, n, &mut p, &mut a);
     match mean {
-        Some(mean) => constraint::residuals(Means { even, mean }, new, n, &mut p, &mut rv),
+        Some(mean) => constraint::residuals(Means { even, mean }, new, n, &p, &mut rv),
         None => subtract(&new.v, &p, &mut rv),
     }
-    writer.class(&rv, &a);
+    writer.class(&rv, &a, n + 1);
 }
 
 fn read_stage(
@@ -138,18 +138,18 @@ fn read_stage(
     let mut new = Classes::default();
     let mut rc = vec![0; n * n];
     predict_c(even, n, &mut p, &mut a);
-    reader.class(&a[..n * n], &mut rc)?;
+    reader.class(&a[..n * n], &mut rc, n)?;
     new.c = add(&p[..n * n], &rc)?;
     let mut rh = vec![0; edges];
     predict_h(even, &new.c, &rc, n, &mut p, &mut a);
-    reader.class(&a, &mut rh)?;
+    reader.class(&a, &mut rh, n)?;
     new.h = add(&p, &rh)?;
     let mut rv = vec![0; edges];
     predict_v(even, &new.c, &rc, &rh, n, &mut p, &mut a);
-    reader.class(&a, &mut rv)?;
+    reader.class(&a, &mut rv, n + 1)?;
     match mean {
         Some(mean) => {
-            constraint::reconstruct(Means { even, mean }, &mut new, n, &mut p, &rv);
+            constraint::reconstruct(Means { even, mean }, &mut new, n, &p, &rv);
             check_range(&new.v)?;
         }
         None => new.v = add(&p, &rv)?,

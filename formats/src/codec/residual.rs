@@ -2,13 +2,15 @@
 //!
 //! Each sample has an activity known to both sides before it is read. Its half-octave bucket is
 //! mapped to a scale by a list at the start of the class, so the fixed tables adapt to any data.
+//! Rows that repeat the row before, or one residual throughout, are only marked: seas, voids and
+//! the padding of planes cost next to nothing.
 
 use multiversion::multiversion;
 
 use super::bits::{BitReader, BitWriter};
 use super::rans::{Decoder, Encoder, slot_base};
 use super::token::{
-    ESCAPE, ESCAPE_BITS, SCALES, TOKENS, low_bits, table_of, token_range, tokenize, unzigzag, zigzag,
+    ESCAPE_BITS, EVEN_SCALE, SCALES, TOKENS, low_bits, table_of, token_range, tokenize, unzigzag, zigzag,
 };
 use super::CodecError;
 
@@ -28,19 +30,65 @@ pub fn buckets(activity: &[i32], out: &mut [u8]) {
 /// mean |residual| of scale t is near 2^((t - 8) / 2). A reader takes whatever the plane says.
 #[must_use]
 pub fn choose_scales(bucket: &[u8], residual: &[i32]) -> (usize, usize, [u8; BUCKETS]) {
-    let mut sum = [(0u64, 0u64); BUCKETS];
+    let mut sum = [(0u64, 0u64, 0u32); BUCKETS];
     for (&b, &r) in bucket.iter().zip(residual) {
-        let (total, count) = &mut sum[b as usize];
+        let (total, count, largest) = &mut sum[b as usize];
         *total += u64::from(r.unsigned_abs());
         *count += 1;
+        *largest = (*largest).max(zigzag(r));
     }
     let first = sum.iter().position(|s| s.1 > 0).unwrap_or(0);
     let last = sum.iter().rposition(|s| s.1 > 0).unwrap_or(0);
-    let scale = sum.map(|(total, count)| {
+    let scale = sum.map(|(total, count, largest)| {
         let mean = (total as f64 / count.max(1) as f64).max(1e-9);
-        (2.0 * mean.log2() + 8.0).round().clamp(0.0, SCALES as f64 - 1.0) as u8
+        // Even over eight values the mean is 2; a peaked spread that fits there has a smaller one.
+        if largest < 8 && mean > 1.6 {
+            EVEN_SCALE
+        } else {
+            (2.0 * mean.log2() + 8.0).round().clamp(0.0, f64::from(EVEN_SCALE) - 1.0) as u8
+        }
     });
     (first, last, scale)
+}
+
+/// Set in a class's bucket count when row marks follow.
+const MARKED: u8 = 0x80;
+
+/// How a row of residuals is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Row {
+    /// Every sample.
+    Whole = 0,
+    /// Nothing: it equals the row before.
+    Repeat = 1,
+    /// Its first sample, which stands for all.
+    Constant = 2,
+}
+
+impl Row {
+    fn of(row: &[i32], before: Option<&[i32]>) -> Self {
+        if before == Some(row) {
+            Self::Repeat
+        } else if row.len() > 1 && row.iter().all(|&r| r == row[0]) {
+            Self::Constant
+        } else {
+            Self::Whole
+        }
+    }
+
+    /// Samples stored of a row of `width`.
+    fn stored(self, width: usize) -> usize {
+        match self {
+            Self::Whole => width,
+            Self::Repeat => 0,
+            Self::Constant => 1,
+        }
+    }
+}
+
+/// The stored samples of all rows, one after another.
+fn gather<'a>(rows: &'a [Row], samples: &'a [i32], width: usize) -> impl Iterator<Item = i32> + 'a {
+    rows.iter().zip(samples.chunks_exact(width)).flat_map(move |(row, s)| s[..row.stored(width)].iter().copied())
 }
 
 /// Writes a plane: its classes in order, then [`PlaneWriter::finish`].
@@ -53,17 +101,34 @@ pub struct PlaneWriter {
 }
 
 impl PlaneWriter {
-    /// Adds a class of residuals with their activities.
-    pub fn class(&mut self, residual: &[i32], activity: &[i32]) {
+    /// Adds a class of residuals with their activities, in rows of `width` samples.
+    pub fn class(&mut self, residual: &[i32], activity: &[i32], width: usize) {
         if residual.iter().all(|&r| r == 0) {
             self.header.extend([0, 0]);
             return;
         }
+        let before = std::iter::once(None).chain(residual.chunks_exact(width).map(Some));
+        let rows: Vec<Row> = residual.chunks_exact(width).zip(before).map(|(row, b)| Row::of(row, b)).collect();
+        // Marks cost two bits a row: less than a row of any kind does.
+        if rows.iter().any(|&row| row != Row::Whole) {
+            let (r, a): (Vec<i32>, Vec<i32>) =
+                (gather(&rows, residual, width).collect(), gather(&rows, activity, width).collect());
+            self.samples(&r, &a, Some(&rows));
+        } else {
+            self.samples(residual, activity, None);
+        }
+    }
+
+    fn samples(&mut self, residual: &[i32], activity: &[i32], rows: Option<&[Row]>) {
         self.bucket.resize(residual.len(), 0);
         buckets(activity, &mut self.bucket);
         let (first, last, scale) = choose_scales(&self.bucket, residual);
-        self.header.extend([first as u8, (last - first + 1) as u8]);
+        let marked = if rows.is_some() { MARKED } else { 0 };
+        self.header.extend([first as u8, (last - first + 1) as u8 | marked]);
         self.header.extend(&scale[first..=last]);
+        for four in rows.unwrap_or_default().chunks(4) {
+            self.header.push(four.iter().rev().fold(0, |byte, &row| byte << 2 | row as u8));
+        }
         self.rans.start_class(residual.len());
         for (&b, &r) in self.bucket.iter().zip(residual) {
             let t = scale[b as usize];
@@ -121,48 +186,71 @@ impl<'a> PlaneReader<'a> {
         Ok(Self { parts, bucket: Vec::new(), base: Vec::new(), token: Vec::new() })
     }
 
-    /// Reads a class of `residual.len()` samples with the given activities.
-    pub fn class(&mut self, activity: &[i32], residual: &mut [i32]) -> Result<(), CodecError> {
+    /// Reads a class of `residual.len()` samples with the given activities, in rows of `width`.
+    pub fn class(&mut self, activity: &[i32], residual: &mut [i32], width: usize) -> Result<(), CodecError> {
         let Some(parts) = &mut self.parts else {
             residual.fill(0);
             return Ok(());
         };
         let (&[first, count], rest) = parts.header.split_first_chunk().ok_or(CodecError::Truncated)?;
-        let (scales, rest) = rest.split_at_checked(count as usize).ok_or(CodecError::Truncated)?;
+        let (marked, count) = (count & MARKED != 0, usize::from(count & !MARKED));
+        let (scales, rest) = rest.split_at_checked(count).ok_or(CodecError::Truncated)?;
         parts.header = rest;
         if count == 0 {
             residual.fill(0);
-            return Ok(());
+            return if marked { Err(CodecError::Range) } else { Ok(()) };
         }
-        let (first, count) = (first as usize, count as usize);
+        let first = usize::from(first);
         if first + count > BUCKETS || scales.iter().any(|&t| t as usize >= SCALES) {
             return Err(CodecError::Range);
         }
         // A bucket outside the list can only be met in a damaged plane; any scale does for it.
         let mut scale = [0u8; BUCKETS];
         scale[first..first + count].copy_from_slice(scales);
-        let bases = scale.map(|t| slot_base(table_of(t)));
-        let lows = scale.map(low_bits);
+        if !marked {
+            self.samples(&scale, activity, residual);
+            return Ok(());
+        }
+        let rows = take_rows(&mut parts.header, residual.len() / width)?;
+        let stored: Vec<i32> = gather(&rows, activity, width).collect();
+        let mut samples = vec![0; stored.len()];
+        self.samples(&scale, &stored, &mut samples);
+        let mut next = samples.as_slice();
+        for (y, row) in rows.iter().enumerate() {
+            let (before, here) = residual.split_at_mut(y * width);
+            let here = &mut here[..width];
+            let (stored, rest) = next.split_at(row.stored(width));
+            next = rest;
+            match row {
+                Row::Whole => here.copy_from_slice(stored),
+                Row::Repeat => here.copy_from_slice(&before[(y - 1) * width..]),
+                Row::Constant => here.fill(stored[0]),
+            }
+        }
+        Ok(())
+    }
 
+    fn samples(&mut self, scale: &[u8; BUCKETS], activity: &[i32], residual: &mut [i32]) {
+        let Some(parts) = &mut self.parts else { return };
         self.bucket.resize(residual.len(), 0);
         self.base.resize(residual.len(), 0);
         self.token.resize(residual.len(), 0);
         buckets(activity, &mut self.bucket);
+        // 64 entries, so that the index needs no check; buckets end at 47.
+        let mut bases = [0; 64];
+        let mut rows = [&READINGS[0]; 64];
+        for (b, &t) in scale.iter().enumerate() {
+            bases[b] = slot_base(table_of(t));
+            rows[b] = &READINGS[t as usize % SCALES];
+        }
         for (base, &b) in self.base.iter_mut().zip(&self.bucket) {
-            *base = bases[b as usize % BUCKETS];
+            *base = bases[b as usize & 63];
         }
         parts.rans.class(&self.base, &mut self.token);
         for ((r, &token), &b) in residual.iter_mut().zip(&self.token).zip(&self.bucket) {
-            let k = lows[b as usize % BUCKETS];
-            let (base, n) = RANGES[token as usize % RANGES.len()];
-            let z = if token == ESCAPE {
-                parts.raw.get(ESCAPE_BITS)
-            } else {
-                (base << k) + parts.raw.get(n + k)
-            };
-            *r = unzigzag(z);
+            let Reading { base, bits } = rows[b as usize & 63][token as usize & 63];
+            *r = unzigzag(base + parts.raw.get(bits));
         }
-        Ok(())
     }
 
     /// Checks that the plane ends with its last sample.
@@ -176,14 +264,44 @@ impl<'a> PlaneReader<'a> {
     }
 }
 
-static RANGES: [(u32, u32); 64] = {
-    let mut ranges = [(0, 0); 64];
-    let mut token = 0;
-    while token < TOKENS - 1 {
-        ranges[token] = token_range(token as u8);
-        token += 1;
+/// Takes the marks of `count` rows; the first row has none before it to repeat.
+fn take_rows(header: &mut &[u8], count: usize) -> Result<Vec<Row>, CodecError> {
+    let (bytes, rest) = header.split_at_checked(count.div_ceil(4)).ok_or(CodecError::Truncated)?;
+    *header = rest;
+    (0..bytes.len() * 4)
+        .filter_map(|y| match (bytes[y / 4] >> (2 * (y % 4)) & 3, y) {
+            (0, y) if y >= count => None,
+            (_, y) if y >= count => Some(Err(CodecError::Trailing)),
+            (0, _) => Some(Ok(Row::Whole)),
+            (1, 1..) => Some(Ok(Row::Repeat)),
+            (2, _) => Some(Ok(Row::Constant)),
+            _ => Some(Err(CodecError::Range)),
+        })
+        .collect()
+}
+
+/// What a token of a scale stands for: z = base + the next raw bits.
+#[derive(Clone, Copy)]
+struct Reading {
+    base: u32,
+    bits: u32,
+}
+
+/// [`Reading`]s of every scale and token.
+static READINGS: [[Reading; 64]; SCALES] = {
+    let mut readings = [[Reading { base: 0, bits: ESCAPE_BITS }; 64]; SCALES];
+    let mut t = 0;
+    while t < SCALES {
+        let low = low_bits(t as u8);
+        let mut token = 0;
+        while token < TOKENS - 1 {
+            let (base, bits) = token_range(token as u8);
+            readings[t][token] = Reading { base: base << low, bits: bits + low };
+            token += 1;
+        }
+        t += 1;
     }
-    ranges
+    readings
 };
 
 #[cfg(test)]
@@ -191,32 +309,73 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn there_and_back(classes: &[(Vec<i32>, Vec<i32>)], width: usize) -> usize {
+        let mut writer = PlaneWriter::default();
+        for (residual, activity) in classes {
+            writer.class(residual, activity, width);
+        }
+        let bytes = writer.finish();
+        let mut reader = PlaneReader::new(&bytes).unwrap();
+        for (residual, activity) in classes {
+            let mut got = vec![0; residual.len()];
+            reader.class(activity, &mut got, width).unwrap();
+            assert_eq!(&got, residual);
+        }
+        assert_eq!(reader.finish(), Ok(()));
+        bytes.len()
+    }
+
     proptest! {
         #[test]
         fn round_trip(samples in prop::collection::vec((-(1i32 << 25)..1 << 25, 0u32..26, 0i32..1 << 28), 1..500), zero: bool) {
             let residual: Vec<i32> = samples.iter().map(|&(r, s, _)| if zero { 0 } else { r >> s }).collect();
             let activity: Vec<i32> = samples.iter().map(|&(_, s, a)| a >> s).collect();
-            let mut writer = PlaneWriter::default();
-            writer.class(&residual, &activity);
-            writer.class(&residual, &activity);
-            let bytes = writer.finish();
-            let mut reader = PlaneReader::new(&bytes).unwrap();
-            for _ in 0..2 {
-                let mut got = vec![0; residual.len()];
-                reader.class(&activity, &mut got).unwrap();
-                prop_assert_eq!(&got, &residual);
+            let width = residual.len();
+            there_and_back(&[(residual.clone(), activity.clone()), (residual, activity)], width);
+        }
+
+        #[test]
+        fn rows_of_every_kind(kinds in prop::collection::vec(0u8..4, 1..40), width in 1usize..30) {
+            let mut residual = Vec::new();
+            for (y, kind) in kinds.iter().enumerate() {
+                let start = residual.len();
+                for x in 0..width {
+                    residual.push(match kind {
+                        0 => (x * 37 + y * 11) as i32 % 50 - 20,
+                        1 if y > 0 => residual[start - width + x],
+                        2 => y as i32 - 7,
+                        _ => 0,
+                    });
+                }
             }
-            prop_assert_eq!(reader.finish(), Ok(()));
+            let activity: Vec<i32> = (0..residual.len() as i32).collect();
+            there_and_back(&[(residual, activity)], width);
         }
 
         #[test]
         fn junk_never_panics(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
             if let Ok(mut reader) = PlaneReader::new(&bytes) {
                 let activity: Vec<i32> = (0..300).map(|k| k * k).collect();
-                let _ = reader.class(&activity, &mut vec![0; 300]);
+                let _ = reader.class(&activity, &mut vec![0; 300], 30);
                 let _ = reader.finish();
             }
         }
+    }
+
+    #[test]
+    fn repeated_rows_cost_their_marks() {
+        let row: Vec<i32> = (0..128).map(|x| x * x % 91 - 40).collect();
+        let one = there_and_back(&[(row.clone(), vec![5; 128])], 128);
+        let all = there_and_back(&[(row.repeat(128), vec![5; 128 * 128])], 128);
+        assert!(all <= one + 32 + 2, "{all} bytes against {one}");
+    }
+
+    #[test]
+    fn wrong_row_marks_are_refused() {
+        assert_eq!(take_rows(&mut &[1][..], 2), Err(CodecError::Range));
+        assert_eq!(take_rows(&mut &[3][..], 1), Err(CodecError::Range));
+        assert_eq!(take_rows(&mut &[0x10][..], 2), Err(CodecError::Trailing));
+        assert_eq!(take_rows(&mut &[][..], 1), Err(CodecError::Truncated));
     }
 
     #[test]

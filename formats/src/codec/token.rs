@@ -2,7 +2,8 @@
 //!
 //! A residual r becomes z = 2r (r >= 0) or -2r - 1 (r < 0). Under scale t (half octaves) its low
 //! k(t) bits are raw; the rest, u = z >> k, is a token: u itself below 16, then four tokens an
-//! octave with raw bits, and [`ESCAPE`] from 512 on, followed by all 27 bits of z.
+//! octave with raw bits, and [`ESCAPE`] from 512 on, followed by all 27 bits of z. The last scale
+//! is for residuals spread evenly over eight values.
 
 /// Number of scales a bucket may be mapped to.
 pub const SCALES: usize = 64;
@@ -10,6 +11,8 @@ pub const SCALES: usize = 64;
 pub const SMALL_SCALES: usize = 16;
 /// Number of tables: the small scales, and one for each half octave above.
 pub const TABLES: usize = SMALL_SCALES + 2;
+/// The scale of residuals that are spread evenly over eight values: table 0 and three raw bits.
+pub const EVEN_SCALE: u8 = SCALES as u8 - 1;
 /// Tokens of a table.
 pub const TOKENS: usize = 37;
 /// The token for quotients of 512 and more.
@@ -21,6 +24,9 @@ pub const ESCAPE_BITS: u32 = 27;
 #[inline]
 #[must_use]
 pub const fn table_of(t: u8) -> usize {
+    if t == EVEN_SCALE {
+        return 0;
+    }
     let t = t as usize;
     if t < SMALL_SCALES { t } else { SMALL_SCALES + ((t - SMALL_SCALES) & 1) }
 }
@@ -29,6 +35,9 @@ pub const fn table_of(t: u8) -> usize {
 #[inline]
 #[must_use]
 pub const fn low_bits(t: u8) -> u32 {
+    if t == EVEN_SCALE {
+        return 3;
+    }
     let t = t as u32;
     if t < SMALL_SCALES as u32 { 0 } else { (t - SMALL_SCALES as u32) >> 1 }
 }

@@ -90,6 +90,13 @@ impl Axis {
         [0.0, -360.0, 360.0].into_iter().find_map(|turn| self.position(nearest + turn))
     }
 
+    /// Lowest and highest angle that [`Axis::position`] has an answer for, unwrapped.
+    pub fn range_deg(&self) -> [f64; 2] {
+        let angle_deg = |u: f64| self.first_deg + u * self.step_deg;
+        let (a, b) = (angle_deg(self.extent[0] - 2.0 * SLACK), angle_deg(self.extent[1] + 2.0 * SLACK));
+        [a.min(b), a.max(b)]
+    }
+
     /// The pixel that contains u; may be one beyond the end where the axis wraps.
     pub fn home(&self, u: f64) -> i64 {
         let home = (u + 0.5).floor() as i64;
@@ -122,7 +129,9 @@ impl Axis {
 
     /// Samples between which a mean may reach: all that exist, and those beyond a pole or a seam.
     pub fn reach(&self) -> [f64; 2] {
-        let end = |end: End, at: f64, beyond: f64| if end == End::Clamp && self.period.is_none() { at } else { beyond };
+        let end = |end: End, at: f64, beyond: f64| {
+            if end == End::Clamp && self.period.is_none() { at } else { beyond }
+        };
         [end(self.low, -0.5, f64::NEG_INFINITY), end(self.high, self.n as f64 - 0.5, f64::INFINITY)]
     }
 }

@@ -43,7 +43,9 @@ fn clip(polygon: &[[f64; 2]], axis: usize, at: f64, side: f64, kept: &mut Vec<[f
 }
 
 fn area(polygon: &[[f64; 2]]) -> f64 {
-    let Some(origin) = polygon.first() else { return 0.0 };
+    let Some(origin) = polygon.first() else {
+        return 0.0;
+    };
     let from = |p: &[f64; 2]| [p[0] - origin[0], p[1] - origin[1]];
     let twice: f64 = polygon
         .windows(2)

@@ -1,7 +1,7 @@
 //! Pixel coordinates of many nodes from few exact ones.
 //!
 //! Positions are counted in half steps of level-0 nodes. Cells of 64, 16 and 4 nodes of the
-//! finest level a source is sampled at are tried in turn: where cubic interpolation over the 4 x 4 exact corners
+//! finest level a source is sampled at are tried in turn: where fifth-order interpolation over the 6 x 6 exact corners
 //! around a cell meets the exact value at three test points, the cell's nodes are interpolated,
 //! else each is transformed exactly. Cells and corners lie at fixed positions and corners are
 //! exact either way, so a node has the same coordinates at every level and in every window.
@@ -12,9 +12,11 @@ use std::ops::Range;
 use super::projection::Transformer;
 
 /// Largest disagreement at a test point, pixels.
-const TOLERANCE_PX: f64 = 1e-5;
+const TOLERANCE_PX: f64 = 2e-7;
 /// Cell sizes in nodes of the finest level sampled.
 const CELL_NODES: [i64; 3] = [64, 16, 4];
+/// Corners on each axis.
+const TAPS: usize = 6;
 const OFF: [f64; 2] = [f64::NAN; 2];
 
 /// Exact and interpolated pixel coordinates over one planet.
@@ -105,26 +107,27 @@ impl<'a> Lattice<'a> {
             }
             return;
         };
-        let weights: Vec<[f64; 4]> = xs.clone().map(|x| cubic(fraction(position(x, 0).0 - origin.0, size))).collect();
+        let weights: Vec<[f64; TAPS]> =
+            xs.clone().map(|x| lagrange(fraction(position(x, 0).0 - origin.0, size))).collect();
         for y in ys.filter(|y| at.rows[*y]) {
             let j = position(xs.start, y).1;
-            let line = mix(&corners, cubic(fraction(j - origin.1, size)));
+            let line = mix(&corners, lagrange(fraction(j - origin.1, size)));
             for (x, w) in xs.clone().zip(&weights).filter(|(x, _)| at.columns[*x]) {
                 pixels[y * nx + x] = match j {
                     // A pole is one point: interpolation would give each column its own rounding.
                     _ if j == 0 || j == self.circle / 2 => self.exact(0, j),
-                    _ => [0, 1].map(|axis| (0..4).map(|k| w[k] * line[k][axis]).sum()),
+                    _ => [0, 1].map(|axis| (0..TAPS).map(|k| w[k] * line[k][axis]).sum()),
                 };
             }
         }
     }
 
-    /// The 4 x 4 exact corners around a cell, rows south to north, if interpolation holds there.
-    fn smooth_cell(&mut self, (i0, j0): (i64, i64), size: i64) -> Option<[[[f64; 2]; 4]; 4]> {
-        let mut corners = [[OFF; 4]; 4];
+    /// The 6 x 6 exact corners around a cell, rows south to north, if interpolation holds there.
+    fn smooth_cell(&mut self, (i0, j0): (i64, i64), size: i64) -> Option<[[[f64; 2]; TAPS]; TAPS]> {
+        let mut corners = [[OFF; TAPS]; TAPS];
         for (row, line) in corners.iter_mut().enumerate() {
             for (column, corner) in line.iter_mut().enumerate() {
-                *corner = self.exact(i0 + (column as i64 - 1) * size, j0 + (row as i64 - 1) * size);
+                *corner = self.exact(i0 + (column as i64 - 2) * size, j0 + (row as i64 - 2) * size);
                 if corner[0].is_nan() {
                     return None;
                 }
@@ -132,11 +135,11 @@ impl<'a> Lattice<'a> {
         }
         let holds = [(size / 2, 0), (0, size / 2), (size / 2, size / 2)].into_iter().all(|(di, dj)| {
             let exact = self.exact(i0 + di, j0 + dj);
-            let line = mix(&corners, cubic(fraction(dj, size)));
-            let w = cubic(fraction(di, size));
+            let line = mix(&corners, lagrange(fraction(dj, size)));
+            let w = lagrange(fraction(di, size));
             // A NaN fails, too.
             [0, 1].into_iter().all(|axis| {
-                let value: f64 = (0..4).map(|k| w[k] * line[k][axis]).sum();
+                let value: f64 = (0..TAPS).map(|k| w[k] * line[k][axis]).sum();
                 (value - exact[axis]).abs() <= TOLERANCE_PX
             })
         });
@@ -167,16 +170,19 @@ fn fraction(units: i64, size: i64) -> f64 {
     units as f64 / size as f64
 }
 
-fn mix(corners: &[[[f64; 2]; 4]; 4], w: [f64; 4]) -> [[f64; 2]; 4] {
-    std::array::from_fn(|column| [0, 1].map(|axis| (0..4).map(|row| w[row] * corners[row][column][axis]).sum()))
+fn mix(corners: &[[[f64; 2]; TAPS]; TAPS], w: [f64; TAPS]) -> [[f64; 2]; TAPS] {
+    std::array::from_fn(|column| [0, 1].map(|axis| (0..TAPS).map(|row| w[row] * corners[row][column][axis]).sum()))
 }
 
-/// Lagrange's cubic through the values at -1, 0, 1, 2.
-fn cubic(t: f64) -> [f64; 4] {
+/// Lagrange's polynomial through the values at -2, -1, 0, 1, 2, 3.
+fn lagrange(t: f64) -> [f64; TAPS] {
+    let (p, q, r, s, u) = (t + 2.0, t + 1.0, t - 1.0, t - 2.0, t - 3.0);
     [
-        -t * (t - 1.0) * (t - 2.0) / 6.0,
-        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-        -(t + 1.0) * t * (t - 2.0) / 2.0,
-        (t + 1.0) * t * (t - 1.0) / 6.0,
+        -q * t * r * s * u / 120.0,
+        p * t * r * s * u / 24.0,
+        -p * q * r * s * u / 12.0,
+        p * q * t * s * u / 12.0,
+        -p * q * t * r * u / 24.0,
+        p * q * t * r * s / 120.0,
     ]
 }

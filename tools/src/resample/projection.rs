@@ -120,7 +120,9 @@ impl Projection {
     /// # Errors
     /// As [`Projection::new`].
     pub fn transformer(&self) -> Result<Transformer<'_>, ToolError> {
-        let Some((nodes, own)) = &self.systems else { return Ok(Transformer { projection: self, transform: None }) };
+        let Some((nodes, own)) = &self.systems else {
+            return Ok(Transformer { projection: self, transform: None });
+        };
         let kept = TRANSFORMS.with_borrow(|kept| kept.get(&self.id).cloned());
         let transform = match kept {
             Some(transform) => transform,
@@ -150,6 +152,15 @@ impl Transformer<'_> {
 }
 
 impl Bounds {
+    /// Whether a rectangle may have data; a longitude span of 0 is a single meridian.
+    pub fn meet(&self, west_deg: f64, span_deg: f64, south_deg: f64, north_deg: f64) -> bool {
+        let ahead_deg = (west_deg - self.west_deg).rem_euclid(360.0);
+        let pole = south_deg <= -90.0 || north_deg >= 90.0;
+        south_deg <= self.north_deg
+            && north_deg >= self.south_deg
+            && (pole || self.span_deg >= 360.0 || ahead_deg <= self.span_deg || ahead_deg + span_deg >= 360.0)
+    }
+
     /// Whether a parallel may have data.
     pub fn has_latitude(&self, lat_deg: f64) -> bool {
         (self.south_deg..=self.north_deg).contains(&lat_deg)
@@ -235,7 +246,9 @@ fn bounds(
             let (fx, fy) = (i as f64 / SIDE as f64, j as f64 / SIDE as f64);
             let rim = i == 0 || j == 0 || i == SIDE || j == SIDE;
             if rim || (i % 8 == 0 && j % 8 == 0) {
-                let Some(point) = lon_lat(fx * w, fy * h) else { return everything };
+                let Some(point) = lon_lat(fx * w, fy * h) else {
+                    return everything;
+                };
                 points.push(point);
             }
         }

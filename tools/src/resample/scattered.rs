@@ -48,10 +48,9 @@ impl Scattered<'_> {
     ) -> Result<(), ToolError> {
         let indices = || ys.clone().flat_map(|y| xs.clone().map(move |x| y * self.nx + x));
         let spans = indices().filter_map(|at| self.span(axes, at));
-        let Some(span) = spans.reduce(|a, b| Span {
-            x: (a.x.0.min(b.x.0), a.x.1.max(b.x.1)),
-            y: (a.y.0.min(b.y.0), a.y.1.max(b.y.1)),
-        }) else {
+        let Some(span) = spans
+            .reduce(|a, b| Span { x: (a.x.0.min(b.x.0), a.x.1.max(b.x.1)), y: (a.y.0.min(b.y.0), a.y.1.max(b.y.1)) })
+        else {
             return Ok(());
         };
         let pixels = (span.x.1 - span.x.0) as usize * (span.y.1 - span.y.0) as usize;

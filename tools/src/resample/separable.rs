@@ -194,8 +194,7 @@ fn mix_rows(pixels: &[f32], weights: &[f64], mixed: &mut [f64]) {
         [a, b, c, d] => {
             let (p, q, r, s) = (&pixels[..nx], &pixels[nx..2 * nx], &pixels[2 * nx..3 * nx], &pixels[3 * nx..4 * nx]);
             for i in 0..nx {
-                mixed[i] =
-                    a * f64::from(p[i]) + b * f64::from(q[i]) + (c * f64::from(r[i]) + d * f64::from(s[i]));
+                mixed[i] = a * f64::from(p[i]) + b * f64::from(q[i]) + (c * f64::from(r[i]) + d * f64::from(s[i]));
             }
         }
         _ => {

@@ -73,7 +73,7 @@ fn pull(nx: usize, ny: usize, at: &dyn Fn(usize) -> (f32, f32)) -> Level {
 fn push(coarse: &Level, x: usize, y: usize, wraps: bool) -> f32 {
     let beside = |at: usize, n: usize, wraps: bool| {
         let near = at / 2;
-        let far = if at % 2 == 0 { near as i64 - 1 } else { near as i64 + 1 };
+        let far = if at.is_multiple_of(2) { near as i64 - 1 } else { near as i64 + 1 };
         let far = if wraps { far.rem_euclid(n as i64) } else { far.clamp(0, n as i64 - 1) };
         (near, far as usize)
     };

@@ -184,11 +184,8 @@ fn open(path: &str) -> Result<Dataset, ToolError> {
 
 fn no_band(path: &str, dataset: &Dataset) -> ToolError {
     let parts = dataset.metadata_domain("SUBDATASETS").unwrap_or_default();
-    let names: Vec<_> = parts
-        .iter()
-        .filter_map(|entry| entry.split_once("_NAME=").map(|(_, name)| name.to_owned()))
-        .take(8)
-        .collect();
+    let names: Vec<_> =
+        parts.iter().filter_map(|entry| entry.split_once("_NAME=").map(|(_, name)| name.to_owned())).take(8).collect();
     let remedy = match names.is_empty() {
         true => "name a file with a raster band".to_owned(),
         false => format!("name one of its parts: {}", names.join(", ")),
@@ -208,7 +205,10 @@ fn find_band(path: &str, dataset: &Dataset, channel: Option<&str>) -> Result<usi
         ToolError::source(
             path,
             format!("it has no band {wanted:?}"),
-            format!("bands are 1 to {count}{}", if named.is_empty() { String::new() } else { format!(": {}", named.join(", ")) }),
+            format!(
+                "bands are 1 to {count}{}",
+                if named.is_empty() { String::new() } else { format!(": {}", named.join(", ")) }
+            ),
             "name one of them with --channel",
         )
     })

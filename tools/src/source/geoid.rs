@@ -6,6 +6,7 @@ use std::sync::Arc;
 use relief_formats::body::Body;
 use relief_formats::grid::Grid;
 
+use super::NodeWindow;
 use super::crs::VerticalCrs;
 use super::gdal_reader::{GdalReader, open_band};
 use super::georef::Georef;
@@ -15,7 +16,6 @@ use super::place::lon_lat_axes;
 use super::raster::{Raster, Reader};
 use super::record::{file_name, hash_file};
 use super::sample::lon_deg;
-use super::NodeWindow;
 use crate::error::ToolError;
 use crate::resample::axis::Axis;
 
@@ -61,7 +61,9 @@ pub(crate) fn reference(
         (None, _) if !earth => Vertical::AsGiven,
         (None, said) => {
             let what = match said {
-                Some(VerticalCrs::Other(name)) => format!("its heights refer to {name:?}, which this tool has no grid for"),
+                Some(VerticalCrs::Other(name)) => {
+                    format!("its heights refer to {name:?}, which this tool has no grid for")
+                }
                 _ => "it does not say what its heights are measured from".to_owned(),
             };
             return Err(ToolError::source(

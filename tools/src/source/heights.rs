@@ -89,8 +89,7 @@ impl HeightRule {
     /// Metres above the reference, NaN for a void.
     #[inline]
     pub fn height_m(&self, raw: f64) -> f32 {
-        // Not `>=`: a NaN has to end here, too.
-        if !(raw.abs() < ABSURD) || self.is_nodata(raw) {
+        if raw.is_nan() || raw.abs() >= ABSURD || self.is_nodata(raw) {
             return f32::NAN;
         }
         (raw * self.scale_m + self.offset_m) as f32
@@ -157,14 +156,16 @@ mod tests {
 
     #[test]
     fn units_scales_and_voids() {
-        let tags = BandTags { unit: "US survey foot".into(), nodata: Some(-9999.9), float32: true, ..BandTags::default() };
+        let tags =
+            BandTags { unit: "US survey foot".into(), nodata: Some(-9999.9), float32: true, ..BandTags::default() };
         let feet = rule(&tags, &SourceOptions::default()).unwrap();
         assert_eq!(feet.height_m(3937.0), 1200.0);
         for void in [f64::NAN, f64::INFINITY, -3.4e38, f64::from(-9999.9_f32)] {
             assert!(feet.height_m(void).is_nan(), "{void}");
         }
         assert!(!feet.height_m(-32768.0).is_nan());
-        let options = SourceOptions { unit: Some(Unit::M), nodata: Some(0.0), scale: Some(2.0), ..SourceOptions::default() };
+        let options =
+            SourceOptions { unit: Some(Unit::M), nodata: Some(0.0), scale: Some(2.0), ..SourceOptions::default() };
         let metres = rule(&tags, &options).unwrap();
         assert_eq!(metres.height_m(-9999.0), -19998.0);
         assert!(metres.height_m(0.0).is_nan());

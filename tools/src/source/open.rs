@@ -6,9 +6,9 @@ use relief_formats::body::Body;
 
 use super::exr_reader::{ExrReader, is_exr, open_exr};
 use super::gdal_reader::{GdalReader, open_band};
+use super::geoid::{Geoid, plane_reference, reference};
 use super::georef::Georef;
 use super::heights::{BandTags, HeightRule};
-use super::geoid::{Geoid, plane_reference, reference};
 use super::options::{BodyChoice, Fill, SourceOptions};
 use super::place::on_globe;
 use super::plane::{self, PlanePlace};

@@ -87,11 +87,11 @@ fn unlike(a: &str, b: &str, what: &str) -> ToolError {
 impl PlanePlace {
     /// False only if no node of the window can have data from this raster.
     pub fn covers(&self, raster: &Raster, grid: &Grid, window: &NodeWindow) -> bool {
-        let any = |n: usize, at: &dyn Fn(usize) -> (i64, bool), size: usize| {
-            (0..n).any(|k| (0..size as i64).contains(&at(k).0))
+        let meets = |n: usize, at: &dyn Fn(usize) -> (i64, bool), size: usize| {
+            n > 0 && at(n - 1).0 >= 0 && at(0).0 < size as i64
         };
-        any(window.nx, &|i| self.column(grid, window, i), raster.width)
-            && any(window.ny, &|j| self.row(grid, window, j), raster.height)
+        meets(window.nx, &|i| self.column(grid, window, i), raster.width)
+            && meets(window.ny, &|j| self.row(grid, window, j), raster.height)
     }
 
     /// The raster's column (from the west) at a node column, and whether that is padding.

@@ -29,11 +29,14 @@ pub(crate) struct Raster {
     block: (usize, usize),
 }
 
+/// A block's pixels, shared with whoever copies from them.
+type Block = Arc<Vec<f32>>;
+
 /// The least recently used blocks go first.
 struct BlockCache {
     capacity: usize,
     clock: u64,
-    held: HashMap<(usize, usize), (u64, Arc<Vec<f32>>)>,
+    held: HashMap<(usize, usize), (u64, Block)>,
 }
 
 /// A rectangle of a raster's pixels by row and column lists.

@@ -12,7 +12,7 @@ use crate::error::ToolError;
 use crate::resample::axis::Axis;
 use crate::resample::kernel::Kernel;
 use crate::resample::lattice::{Lattice, Positions};
-use crate::resample::projection::Projection;
+use crate::resample::projection::{Bounds, Projection};
 use crate::resample::scattered::Scattered;
 use crate::resample::separable::Separable;
 
@@ -27,22 +27,16 @@ impl Source {
 
     /// See [`super::SourceSet::covers`].
     pub(super) fn covers(&self, grid: &Grid, window: &NodeWindow) -> bool {
-        let lats = || (0..window.ny as i64).map(|j| grid.lat_deg(window.level, window.y0 + j));
-        let lons = || (0..window.nx as i64).map(|i| lon_deg(grid, window.level, window.x0 + i));
-        match &self.mapping {
-            Mapping::LonLat { columns, rows } => {
-                let mut inside = lats().filter(|lat| rows.position(*lat).is_some()).peekable();
-                inside.peek().is_some()
-                    && (lons().any(|lon| columns.longitude_position(lon).is_some()) || inside.any(|lat| lat.abs() >= 90.0))
-            }
-            Mapping::Projected(projection) => {
-                let bounds = &projection.bounds;
-                let (mut north, mut all) = (lats().filter(|lat| bounds.has_latitude(*lat)).peekable(), lons());
-                north.peek().is_some()
-                    && (all.any(|lon| bounds.has_longitude(lon)) || north.any(|lat| lat.abs() >= 90.0))
-            }
-            Mapping::Plane(place) => place.covers(&self.raster, grid, window),
-        }
+        let bounds = match &self.mapping {
+            Mapping::LonLat { columns, rows } => lon_lat_bounds(columns, rows),
+            Mapping::Projected(projection) => projection.bounds,
+            Mapping::Plane(place) => return place.covers(&self.raster, grid, window),
+        };
+        let spacing_deg = grid.spacing_deg(window.level);
+        let lat_deg = |j: usize| grid.lat_deg(window.level, window.y0 + j as i64);
+        let span_deg = spacing_deg * window.nx.saturating_sub(1) as f64;
+        window.nx * window.ny > 0
+            && bounds.meet(lon_deg(grid, window.level, window.x0), span_deg, lat_deg(0), lat_deg(window.ny - 1))
     }
 
     /// True where `step_deg` is finer than the finest nodes this source is sampled at.
@@ -132,7 +126,9 @@ impl Source {
         let vs = (0..window.ny).map(|j| (lat(j).abs() < 90.0).then(|| rows.position(lat(j))).flatten());
         separable.sample(us, vs, heights_m)?;
         for j in (0..window.ny).filter(|j| lat(*j).abs() >= 90.0) {
-            let Some(v) = rows.position(lat(j)) else { continue };
+            let Some(v) = rows.position(lat(j)) else {
+                continue;
+            };
             let row = rows.stored(rows.home(v));
             let mean_m = match std::ptr::eq(raster, &self.raster) {
                 false => row_mean_m(raster, row, columns)?,
@@ -215,6 +211,13 @@ impl Source {
         // A thread that comes second waits here for the first.
         Ok(self.filled.get_or_init(|| Raster::ready(&self.raster.path, (nx, ny), pull_push(&whole, nx, wraps))))
     }
+}
+
+/// Where a lon/lat raster has samples.
+fn lon_lat_bounds(columns: &Axis, rows: &Axis) -> Bounds {
+    let ([west_deg, east_deg], [south_deg, north_deg]) = (columns.range_deg(), rows.range_deg());
+    let span_deg = if columns.period.is_some() { 360.0 } else { east_deg - west_deg };
+    Bounds { west_deg, span_deg, south_deg, north_deg }
 }
 
 /// The mean of a row, each meridian once; NaN where all of it is void.

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use exr::prelude::{WritableImage, Image, Layer, LayerAttributes, Encoding, AnyChannels, AnyChannel, FlatSamples};
+use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
 
 use super::*;
 
@@ -14,7 +14,8 @@ fn noisy(c: usize, r: usize) -> f32 {
 }
 
 fn big(creation: &'static [&'static str]) -> Made {
-    let tif = Tif { size: (720, 360), transform: Some([-180.0, 0.5, 0.0, 90.0, 0.0, -0.5]), creation, ..Tif::default() };
+    let tif =
+        Tif { size: (720, 360), transform: Some([-180.0, 0.5, 0.0, 90.0, 0.0, -0.5]), creation, ..Tif::default() };
     made(&tif, noisy)
 }
 
@@ -124,8 +125,14 @@ fn records_say_what_was_used() {
     let hash = blake3::hash(&fs::read(&file.path).unwrap()).to_hex().to_string();
     assert_eq!(record.file, "made.tif");
     assert_eq!(record.blake3, Some(hash));
-    assert_eq!((record.driver.as_str(), record.sample_type.as_str(), record.crs.as_str()), ("GTiff", "Int16", "EPSG:4326"));
-    assert_eq!((record.width, record.height, record.scale, record.nodata, record.spacing), (36, 18, 0.25, Some(-7.0), 10.0));
+    assert_eq!(
+        (record.driver.as_str(), record.sample_type.as_str(), record.crs.as_str()),
+        ("GTiff", "Int16", "EPSG:4326")
+    );
+    assert_eq!(
+        (record.width, record.height, record.scale, record.nodata, record.spacing),
+        (36, 18, 0.25, Some(-7.0), 10.0)
+    );
     let json = serde_json::to_string(&record).unwrap();
     assert_eq!(serde_json::from_str::<SourceRecord>(&json).unwrap(), record);
 }

@@ -13,7 +13,13 @@ fn voids_of_all_kinds_are_void_and_never_mixed_in() {
     let grid = Grid::new(10, false);
     let nowhere = (
         f64::from(-32768.0_f32),
-        [(f32::NAN, None), (f32::INFINITY, None), (-3.4e38, None), (-32768.0, Some(-32768.0)), (-9999.9, Some(-9999.9))],
+        [
+            (f32::NAN, None),
+            (f32::INFINITY, None),
+            (-3.4e38, None),
+            (-32768.0, Some(-32768.0)),
+            (-9999.9, Some(-9999.9)),
+        ],
     );
     for (void, nodata) in nowhere.1 {
         let file = with_void(void, nodata);
@@ -60,7 +66,8 @@ fn interpolated_fills_are_smooth_marked_and_leave_data_alone() {
     let file = with_void(f32::NAN, None);
     let part = window(0, 1024, 512, 230, 116);
     let bare = open(&file.path, &given()).sample(0, &grid, &part).unwrap();
-    let filled = open(&file.path, &SourceOptions { fill: Fill::Interpolate, ..given() }).sample(0, &grid, &part).unwrap();
+    let filled =
+        open(&file.path, &SourceOptions { fill: Fill::Interpolate, ..given() }).sample(0, &grid, &part).unwrap();
     let mut count = 0;
     for at in 0..bare.state.len() {
         match (bare.state[at], filled.state[at]) {
@@ -112,12 +119,13 @@ fn geoid_is_added_once_and_recorded() {
     };
     // NGA's published extremes of EGM96 are -107 m south of India and +85 m at New Guinea; its
     // poles are +13.61 m and -29.53 m.
-    let (low, high) = (0..1024 * 513).fold((f32::MAX, f32::MIN), |(a, b), n| (a.min(block.height_m[n]), b.max(block.height_m[n])));
+    let (low, high) =
+        (0..1024 * 513).fold((f32::MAX, f32::MIN), |(a, b), n| (a.min(block.height_m[n]), b.max(block.height_m[n])));
     assert!((low - 893.0).abs() < 0.6 && (high - 1085.4).abs() < 0.6, "{low} {high}");
     assert!((at(0.0, 90.0) - 13.606).abs() < 0.01 && (at(0.0, -90.0) + 29.534).abs() < 0.01);
     assert!((at(0.0, 0.0) - 17.16).abs() < 0.1, "{}", at(0.0, 0.0));
     let poles = [&block.height_m[..1024], &block.height_m[512 * 1024..]];
-    assert!(poles.iter().all(|row| row.iter().all(|height| height.to_bits() == row[0].to_bits())));
+    assert!(poles.iter().all(|row| { row.iter().all(|height| height.to_bits() == row[0].to_bits()) }));
 }
 
 #[test]

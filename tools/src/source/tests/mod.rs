@@ -107,13 +107,8 @@ fn open(path: &str, options: &SourceOptions) -> SourceSet {
 
 /// The whole level as one block of (W, H + 1) nodes.
 fn level(set: &SourceSet, grid: &Grid, level: u32) -> HeightBlock {
-    let window = NodeWindow {
-        level,
-        x0: 0,
-        y0: 0,
-        nx: grid.width(level) as usize,
-        ny: grid.height(level) as usize + 1,
-    };
+    let window =
+        NodeWindow { level, x0: 0, y0: 0, nx: grid.width(level) as usize, ny: grid.height(level) as usize + 1 };
     set.sample(0, grid, &window).unwrap()
 }
 

@@ -8,7 +8,13 @@ fn plane() -> SourceOptions {
 
 fn tile(folder: &Path, name: &str, x: f64, y: f64, south_up: bool) -> String {
     let transform = if south_up { [x, 30.0, 0.0, y, 0.0, 30.0] } else { [x, 30.0, 0.0, y + 50.0 * 30.0, 0.0, -30.0] };
-    let tif = Tif { size: (100, 50), transform: Some(transform), crs: Some("EPSG:32633"), nodata: Some(0.0), ..Tif::default() };
+    let tif = Tif {
+        size: (100, 50),
+        transform: Some(transform),
+        crs: Some("EPSG:32633"),
+        nodata: Some(0.0),
+        ..Tif::default()
+    };
     // Height = easting + northing of the pixel centre, in pixels.
     tif.write(folder, name, move |c, r| {
         let northing = transform[3] + (r as f64 + 0.5) * transform[5];

@@ -8,7 +8,8 @@ use crate::source::crs::traditional;
 
 /// Smooth on the whole sphere, poles included.
 fn sine(lon_deg: f64, lat_deg: f64) -> f64 {
-    1000.0 * lat_deg.to_radians().cos().powi(2) * (2.0 * lon_deg).to_radians().cos() + 300.0 * lat_deg.to_radians().sin()
+    1000.0 * lat_deg.to_radians().cos().powi(2) * (2.0 * lon_deg).to_radians().cos()
+        + 300.0 * lat_deg.to_radians().sin()
 }
 
 /// Cell-registered and gridline, north-up and south-up, -180..180 and 0..360 all hold the same
@@ -135,7 +136,14 @@ const CASES: [Case; 6] = [
         name: "mercator",
         crs: "EPSG:3857",
         size: (1000, 1000),
-        transform: [-20_037_508.342_789_244, 40_075.016_685_578_49, 0.0, 20_037_508.342_789_244, 0.0, -40_075.016_685_578_49],
+        transform: [
+            -20_037_508.342_789_244,
+            40_075.016_685_578_49,
+            0.0,
+            20_037_508.342_789_244,
+            0.0,
+            -40_075.016_685_578_49,
+        ],
         bound: 1.0,
         nodes: 1_900_000,
         pole: None,
@@ -222,7 +230,9 @@ fn hard_windows(grid: &Grid, level: u32, lon_deg: f64, lat_deg: f64) -> Vec<Node
 
 #[test]
 fn projected_heights_depend_on_the_place_alone() {
-    for (described, centre) in CASES.iter().zip([(30.0, -80.0), (30.0, 80.0), (178.0, 70.0), (-8.0, 8.0), (0.0, 40.0), (-74.0, 40.5)]) {
+    for (described, centre) in
+        CASES.iter().zip([(30.0, -80.0), (30.0, 80.0), (178.0, 70.0), (-8.0, 8.0), (0.0, 40.0), (-74.0, 40.5)])
+    {
         let file = case(described);
         for (resample, m) in [(Resample::Auto, 9), (Resample::Auto, 12), (Resample::Lanczos, 10)] {
             let grid = Grid::new(m, false);
@@ -267,9 +277,10 @@ proptest! {
 #[test]
 fn consistency_is_checked() {
     // The checker must see a kernel that follows the level: two grids stand for two levels.
-    let file = made(&Tif { size: (720, 360), transform: Some([-180.0, 0.5, 0.0, 90.0, 0.0, -0.5]), ..Tif::default() }, |c, r| {
-        ((c * 37 + r * 11) % 101) as f32
-    });
+    let file = made(
+        &Tif { size: (720, 360), transform: Some([-180.0, 0.5, 0.0, 90.0, 0.0, -0.5]), ..Tif::default() },
+        |c, r| ((c * 37 + r * 11) % 101) as f32,
+    );
     let set = open(&file.path, &given());
     let (fine, coarse) = (Grid::new(10, false), Grid::new(8, false));
     let a = set.sample(0, &fine, &window(2, 100, 100, 8, 8)).unwrap();
@@ -326,12 +337,22 @@ fn means_count_every_pixel_by_its_area() {
 
 #[test]
 fn levels_and_map_exponents_follow_the_spacing() {
-    let file = made(&Tif { size: (360, 180), transform: Some([-180.0, 1.0, 0.0, 90.0, 0.0, -1.0]), ..Tif::default() }, |_, _| 1_i16);
+    let file = made(
+        &Tif { size: (360, 180), transform: Some([-180.0, 1.0, 0.0, 90.0, 0.0, -1.0]), ..Tif::default() },
+        |_, _| 1_i16,
+    );
     let set = open(&file.path, &given());
     assert_eq!(set.default_m(), 8);
     assert_eq!(set.finest_level(0, &Grid::new(8, false)), 0);
     assert_eq!(set.finest_level(0, &Grid::new(12, false)), 4);
     // 512 rows whose spacing was rounded in the tenth place.
-    let file = made(&Tif { size: (1024, 512), transform: Some([-180.0, 0.351_562_5, 0.0, 90.0, 0.0, -0.351_562_499_989_91]), ..Tif::default() }, |_, _| 1_i16);
+    let file = made(
+        &Tif {
+            size: (1024, 512),
+            transform: Some([-180.0, 0.351_562_5, 0.0, 90.0, 0.0, -0.351_562_499_989_91]),
+            ..Tif::default()
+        },
+        |_, _| 1_i16,
+    );
     assert_eq!(open(&file.path, &given()).default_m(), 9);
 }

@@ -1,0 +1,159 @@
+//! `relief-bake preview`: a picture of a file.
+
+mod sample;
+
+use std::path::{Path, PathBuf};
+
+use relief_formats::file::Relief;
+use relief_formats::tiles::Tiles;
+
+use self::sample::{Canvas, Raster};
+use crate::commands::Outcome;
+use crate::error::ToolError;
+use crate::lattice::{Bounds, Lattice, PlaneChoice};
+use crate::picture::{ColourMap, ColourMapInput, PictureInput, RgbImage, Tint, colour_map, shaded_relief, write_png};
+use crate::stdout::print;
+
+/// A picture: hypsometric tints and shading, or a colour map of another plane
+#[derive(Debug, clap::Args)]
+#[command(
+    long_about = "A picture: hypsometric tints and shading of the heights, or a colour map of another plane.\n\n\
+        Reads the level that matches the size, so that a large file costs no more than a small one. \
+        A globe is drawn equirectangular with north at the top. Voids are hatched grey. An existing PNG \
+        of that name is replaced.",
+    after_long_help = "Examples:\n  relief-bake preview earth.relief -o earth.png --size 2048\n  \
+        relief-bake preview earth.relief -o alps.png --window 5,43,17,49\n  \
+        relief-bake preview moon.relief -o deviation.png --plane deviation"
+)]
+pub struct Args {
+    /// The .relief file
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// The PNG to write
+    #[arg(short, long, value_name = "OUT.png")]
+    output: PathBuf,
+    /// Width of the picture in pixels, 16 to 16384 [default: the window's nodes, at most 2048]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=16384))]
+    size: Option<u32>,
+    /// What to draw
+    #[arg(long, value_name = "PLANE", value_enum, default_value = "mip")]
+    plane: PlaneChoice,
+    /// Part of the map: degrees (a plane: CRS units); east may lie beyond the antimeridian
+    #[arg(long, value_name = "W,S,E,N", allow_hyphen_values = true)]
+    window: Option<Bounds>,
+}
+
+/// Cache of decoded tiles.
+const CACHE_BYTES: u64 = 256 << 20;
+/// Up to here pixels of heights are averaged from 2 x 2 samples.
+const LARGEST_SUPERSAMPLED: u32 = 8192;
+const DEFAULT_SIZE: u32 = 2048;
+
+/// Runs the command.
+///
+/// # Errors
+/// What kept it from running.
+pub fn run(args: &Args) -> Result<Outcome, ToolError> {
+    let in_file = ToolError::of_file(&args.file);
+    let relief = Relief::open(&args.file).map_err(in_file)?;
+    refuse_other_files(&args.output)?;
+    let tiles = Tiles::new(&relief, CACHE_BYTES);
+    let finest = Lattice::new(&tiles, 0, args.plane);
+    let bounds = args.window.unwrap_or_else(|| Bounds::whole(&finest)).ordered(finest.wraps())?;
+    if !finest.wraps() && bounds.samples(&finest).is_none() {
+        return Err(ToolError::usage(
+            format!("--window: {},{},{},{}", bounds.west, bounds.south, bounds.east, bounds.north),
+            "a window overlaps the file's square",
+            "see `relief-bake inspect` for where it lies",
+        ));
+    }
+    let nodes_across = (bounds.east - bounds.west) / finest.frame()[2];
+    let size = args.size.unwrap_or_else(|| DEFAULT_SIZE.min(nodes_across as u32)).max(16);
+    let supersample = if args.plane.is_height() && size <= LARGEST_SUPERSAMPLED { 2 } else { 1 };
+    let canvas = Canvas::new(&relief, bounds, size, supersample)?;
+    let level = canvas.level(&relief);
+    let raster = canvas.draw(&Lattice::new(&tiles, level, args.plane)).map_err(in_file)?;
+    let (image, caption) = match args.plane {
+        PlaneChoice::Nodes | PlaneChoice::Mip => heights(&relief, &raster, supersample)?,
+        plane => values(plane, &raster)?,
+    };
+    write_png(&args.output, &image)?;
+    print(&format!(
+        "{}: {} x {} pixels, {} of level {level}{caption}\n",
+        args.output.display(),
+        image.width,
+        image.height,
+        args.plane.name(),
+    ))?;
+    Ok(Outcome::Good)
+}
+
+/// A shaded picture of part of a file, `size` pixels wide, for a texture.
+///
+/// # Errors
+/// A damaged tile of the file at `input`, or a picture too large.
+pub fn shaded(input: &Path, tiles: &Tiles<'_>, bounds: Bounds, size: u32) -> Result<RgbImage, ToolError> {
+    let relief = tiles.relief();
+    let canvas = Canvas::new(relief, bounds, size, 2)?;
+    let lattice = Lattice::new(tiles, canvas.level(relief), PlaneChoice::Mip);
+    let raster = canvas.draw(&lattice).map_err(ToolError::of_file(input))?;
+    Ok(heights(relief, &raster, 2)?.0)
+}
+
+fn heights(relief: &Relief, raster: &Raster, supersample: u32) -> Result<(RgbImage, String), ToolError> {
+    let image = shaded_relief(&PictureInput {
+        width: raster.width,
+        height: raster.height,
+        heights_m: &raster.values,
+        cell_east_m: &raster.cell_east_m,
+        cell_north_m: raster.cell_north_m,
+        wraps: raster.wraps,
+        tint: Tint::of(relief.body()),
+        supersample: supersample as usize,
+    });
+    let range = raster.values.iter().filter(|v| !v.is_nan()).fold(None, |range: Option<(f32, f32)>, &v| {
+        let (low, high) = range.unwrap_or((v, v));
+        Some((low.min(v), high.max(v)))
+    });
+    let caption = range.map_or_else(|| ", all void".into(), |(low, high)| format!(", {low:.0} to {high:.0} m"));
+    Ok((image.map_err(misfit)?, caption))
+}
+
+fn values(plane: PlaneChoice, raster: &Raster) -> Result<(RgbImage, String), ToolError> {
+    let flags = plane == PlaneChoice::Filled;
+    let (image, [low, high]) = colour_map(&ColourMapInput {
+        width: raster.width,
+        height: raster.height,
+        values: &raster.values,
+        map: ColourMap::Sequential,
+        range: flags.then_some([0.0, 1.0]),
+        legend: !flags,
+    })
+    .map_err(misfit)?;
+    let caption = if flags { ", bright where filled".into() } else { format!(", colours from {low:.2} to {high:.2} m") };
+    Ok((image, caption))
+}
+
+/// Pictures of a few samples only, which the checks above leave out.
+fn misfit(error: crate::picture::PictureError) -> ToolError {
+    ToolError::usage(error.to_string(), "a picture has at least one pixel each way", "give a larger --size or --window")
+}
+
+/// An existing picture is replaced; anything else of that name is somebody's data.
+fn refuse_other_files(path: &Path) -> Result<(), ToolError> {
+    const SIGNATURE: &[u8; 8] = b"\x89PNG\r\n\x1a\n";
+    let mut head = Vec::new();
+    if let Ok(file) = std::fs::File::open(path) {
+        use std::io::Read as _;
+        // What cannot be read (a folder) is refused as not being a picture.
+        let _ = file.take(8).read_to_end(&mut head);
+        if head != SIGNATURE {
+            return Err(ToolError::usage(
+                format!("{} exists and is no PNG", path.display()),
+                "only a picture is replaced",
+                "name another output, or remove the file first",
+            ));
+        }
+    }
+    Ok(())
+}
