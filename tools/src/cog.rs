@@ -214,11 +214,13 @@ impl Writer<'_> {
         result.map_err(|error| self.refused(&quiet::explain(&error)))
     }
 
+    /// The first failures tell the cause; what follows are its echoes.
     fn refused(&self, words: &str) -> ToolError {
+        let words: Vec<&str> = words.split("; ").take(2).collect();
         ToolError::Io {
             action: "cannot write",
             path: self.path.to_path_buf(),
-            error: std::io::Error::other(words.to_owned()),
+            error: std::io::Error::other(words.join("; ")),
             remedy: "check that the disk has room (twice the raster), or export a --window or a coarser --level".into(),
         }
     }
