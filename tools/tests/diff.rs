@@ -93,7 +93,10 @@ fn other_planes_and_steps_count_without_a_tolerance() {
     let finer = Sample { step_exponent: -5, q: |grid, i, j| 2 * wavy_q(grid, i, j), ..earth(8) };
     let finer = folder.sample("c.relief", &finer);
     let result = relief_bake!("diff", a, finer, "--json").json(1);
-    assert_eq!((&result["largest_m"], &result["facts"]["step_m"]), (&0.0.into(), &serde_json::json!([0.0625, 0.03125])));
+    assert_eq!(
+        (&result["largest_m"], &result["facts"]["step_m"]),
+        (&0.0.into(), &serde_json::json!([0.0625, 0.03125]))
+    );
     assert_eq!(relief_bake!("diff", a, finer, "--tolerance", "0.001").code, 0);
 }
 

@@ -118,8 +118,13 @@ pub fn compare(sides: &[Side<'_>; 2], map: Option<&mut Map>) -> Result<Compariso
     }
     let map = map.map(std::sync::Mutex::new);
     let heights = |pair: &&Pair| pair.present != [true, true] || pair.planes[0] || !same_step;
-    let diffs: Result<Vec<TileDiff>, ToolError> =
-        pairs.iter().filter(heights).collect::<Vec<_>>().par_iter().map(|p| compare_tile(sides, p.key, map.as_ref())).collect();
+    let diffs: Result<Vec<TileDiff>, ToolError> = pairs
+        .iter()
+        .filter(heights)
+        .collect::<Vec<_>>()
+        .par_iter()
+        .map(|p| compare_tile(sides, p.key, map.as_ref()))
+        .collect();
     let mut sum = 0.0;
     for diff in diffs? {
         let level = &mut out.levels[diff.level as usize];

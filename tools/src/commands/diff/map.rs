@@ -54,9 +54,8 @@ impl Map {
             range: Some([-most, most]),
             legend: true,
         };
-        let (image, _) = colour_map(&input).map_err(|error| {
-            ToolError::usage(error.to_string(), "a map has at least one pixel", "leave --png out")
-        })?;
+        let (image, _) = colour_map(&input)
+            .map_err(|error| ToolError::usage(error.to_string(), "a map has at least one pixel", "leave --png out"))?;
         write_png(path, &image)
     }
 }

@@ -172,7 +172,8 @@ fn values(plane: PlaneChoice, raster: &Raster) -> Result<(RgbImage, String), Too
         legend: !flags,
     })
     .map_err(misfit)?;
-    let caption = if flags { ", bright where filled".into() } else { format!(", colours from {low:.2} to {high:.2} m") };
+    let caption =
+        if flags { ", bright where filled".into() } else { format!(", colours from {low:.2} to {high:.2} m") };
     Ok((image, caption))
 }
 
