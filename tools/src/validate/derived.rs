@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 use relief_formats::codec::hext;
+use relief_formats::derive::extremes::Extremes;
 use relief_formats::derive::{Absent, Base, Block, LevelPlanes, Window, decode_deviation, derive_block, padding};
 use relief_formats::file::FormatError;
 use relief_formats::tile::{TILE_CELLS, TILE_NODES, TileKey};
@@ -116,34 +117,35 @@ impl Stage<'_> {
         let nodes = Window::new(x0, y0, TILE_NODES, TILE_NODES);
         if let Some(mip) = &planes.mip {
             let (built, stored) = (mip.crop(nodes), self.map.tiles.mip(key)?);
-            self.compare(Check::Mip, key, 1, built.data(), &stored, |a, b| a != b, |a, b| format!("{b} steps, must be {a}"));
+            self.compare(Check::Mip, key, 1, built.data(), &stored, |built, stored| {
+                (stored != built).then(|| format!("{stored} steps, must be {built}"))
+            });
         }
         let truth = planes.extremes.crop(Window::new(x0 / 2, y0 / 2, half, half));
         let stored = self.map.tiles.extremes(key)?;
-        let inside = self.compare(
-            Check::HextInside,
-            key,
-            2,
-            truth.data(),
-            &stored,
-            |truth, stored| stored.min > truth.min || stored.max < truth.max,
-            |truth, stored| {
-                format!("bounds {} to {} steps inside S_0's {} to {}", stored.min, stored.max, truth.min, truth.max)
-            },
-        );
+        let words = |how: &str, stored: &Extremes, other: &Extremes| {
+            format!("bounds {} to {} steps {how} {} to {}", stored.min, stored.max, other.min, other.max)
+        };
+        let inside = self.compare(Check::HextInside, key, 2, truth.data(), &stored, |truth, stored| {
+            (stored.min > truth.min || stored.max < truth.max).then(|| words("inside S_0's", stored, truth))
+        });
         if !inside {
             let (_, tight) = hext::encode(truth.data(), &self.map.tiles.nodes(key)?);
-            self.compare(Check::HextLoose, key, 2, &tight, &stored, |a, b| a != b, |tight, stored| {
-                format!("bounds {} to {} steps where {} to {} do", stored.min, stored.max, tight.min, tight.max)
+            self.compare(Check::HextLoose, key, 2, &tight, &stored, |tight, stored| {
+                (stored != tight).then(|| words("where these would do:", stored, tight))
             });
         }
         if let Some(stored) = self.map.tiles.deviations(key)? {
             let built = planes.deviations.crop(nodes);
-            let words = |built: &u8, stored: &u8| {
-                format!("at most {} steps, built from level 0: {}", decode_deviation(*stored), decode_deviation(*built))
+            let words = |built: u8, stored: u8| {
+                format!("at most {} steps, built from level 0: {}", decode_deviation(stored), decode_deviation(built))
             };
-            self.compare(Check::DeviationLow, key, 1, built.data(), &stored, |built, stored| stored < built, words);
-            self.compare(Check::DeviationHigh, key, 1, built.data(), &stored, |built, stored| stored > built, words);
+            self.compare(Check::DeviationLow, key, 1, built.data(), &stored, |&built, &stored| {
+                (stored < built).then(|| words(built, stored))
+            });
+            self.compare(Check::DeviationHigh, key, 1, built.data(), &stored, |&built, &stored| {
+                (stored > built).then(|| words(built, stored))
+            });
         }
         Ok(())
     }
@@ -157,16 +159,15 @@ impl Stage<'_> {
         spacing: usize,
         built: &[T],
         stored: &[T],
-        bad: impl Fn(&T, &T) -> bool,
-        words: impl Fn(&T, &T) -> String,
+        fault: impl Fn(&T, &T) -> Option<String>,
     ) -> bool {
-        let mut faults = built.iter().zip(stored).enumerate().filter(|(_, (built, stored))| bad(built, stored));
-        let Some((at, (built, stored))) = faults.next() else { return false };
+        let mut faults = built.iter().zip(stored).enumerate().filter_map(|(at, (built, stored))| Some((at, fault(built, stored)?)));
+        let Some((at, what)) = faults.next() else { return false };
         let count = 1 + faults.count();
         let side = if spacing == 1 { TILE_NODES } else { TILE_NODES / spacing };
         let node = (at % side * spacing, at / side * spacing);
         let place = Place::node(self.map.relief.body(), &self.map.grid, key, node);
-        self.findings.add(check, place, format!("{} ({count} in the tile)", words(built, stored)));
+        self.findings.add(check, place, format!("{what} ({count} in the tile)"));
         true
     }
 }

@@ -43,3 +43,20 @@ fn check_of(fault: MeshFault) -> Check {
         MeshFault::Euler => Check::MeshEuler,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// Two of these faults no section can have: indices are checked as they are decoded, and
+    /// positions follow from the axes.
+    #[test]
+    fn every_fault_has_its_own_code() {
+        use MeshFault::{Axis, Degenerate, Euler, IndexRange, NonManifold, OffBody, Open, Orientation};
+        let faults = [Axis, IndexRange, OffBody, Degenerate, Orientation, Open, NonManifold, Euler];
+        let codes: BTreeSet<_> = faults.iter().map(|&fault| check_of(fault).code()).collect();
+        assert_eq!(codes.len(), faults.len());
+        assert!(codes.iter().all(|code| code.starts_with("RLF-M")));
+    }
+}

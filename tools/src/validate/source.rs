@@ -36,7 +36,7 @@ pub struct Against {
     pub geoid: Option<PathBuf>,
 }
 
-/// Half a step is exact; heights pass through f32 on their way (the issue's own allowance).
+/// Half a step is exact, but the sources' heights pass through f32 on their way.
 const ALLOWANCE_M: f64 = 1e-3;
 
 /// Compares all nodes; `step` is called once for each tile.
@@ -254,7 +254,7 @@ impl Compare<'_> {
         };
         let (expected, state) = self.expected(&window)?;
         let root = key.level == grid.root_level();
-        let new = |at: usize| root || (at / TILE_NODES | at % TILE_NODES) % 2 == 1;
+        let new = |at: usize| root || ((at / TILE_NODES) | (at % TILE_NODES)) % 2 == 1;
         let nodes = map.tiles.nodes(key).map_err(|error| damaged(map.relief, error))?;
         let filled = map.tiles.filled(key).map_err(|error| damaged(map.relief, error))?;
         let step_m = map.relief.step_m();

@@ -45,7 +45,7 @@ pub fn hills(x: u32, y: u32, h: u32) -> i32 {
     let pole = v.sin().abs();
     let bumps = (16.0 * u).sin() * (9.0 * v).cos() * 900.0 + (64.0 * u + 3.0 * v).cos() * 150.0;
     let grain = ((x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(40_503)) >> 13) % 23;
-    if y % h == 0 { -40 } else { (pole * (bumps + f64::from(grain))) as i32 - 40 }
+    if y.is_multiple_of(h) { -40 } else { (pole * (bumps + f64::from(grain))) as i32 - 40 }
 }
 
 impl World {

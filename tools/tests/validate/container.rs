@@ -211,3 +211,12 @@ fn a_false_identity_is_found() {
     parts.header.content_id[5] ^= 1;
     assert_only(&report_on(&folder, &parts.seal(), Level::Checksum), &[Check::ContentId]);
 }
+
+#[test]
+fn what_no_reader_opens_is_found() {
+    let folder = Folder::new();
+    let (_, bytes) = folder.good(&small());
+    let mut parts = Parts::of(&bytes);
+    parts.header.tile_count += 1;
+    assert_only(&report_on(&folder, &parts.seal(), Level::Semantic), &[Check::Openable]);
+}

@@ -187,10 +187,11 @@ fn a_wrong_mesh_is_named() {
 #[test]
 fn planes_are_decoded_and_compared() {
     use crate::build::Parts;
+    use relief_formats::file::Plane;
     use relief_formats::file::index::{ENTRY_BYTES, Entry};
     use relief_formats::file::section::{INDEX, MESH, TILES};
     let folder = Folder::new();
-    let world = World::new(9);
+    let world = World { filled: |x, y| x % 512 > 300 && y % 7 == 0, ..World::new(9) };
     let (_, bytes) = folder.good(&world);
     let with = |change: &dyn Fn(&mut Entry, &mut Vec<u8>)| {
         let mut parts = Parts::of(&bytes);
@@ -209,6 +210,11 @@ fn planes_are_decoded_and_compared() {
     }
     let broken = with(&|entry, tiles| tiles[entry.offset as usize + 40..][..60].fill(0x5a));
     assert!(broken.has(Check::PlaneDecodes) || broken.has(Check::PlaneDigest), "{}", broken.text());
+    let frame = with(&|entry, tiles| {
+        let start = entry.range(Plane::Filled).start as usize;
+        tiles[start..start + 4].fill(0);
+    });
+    assert_only(&frame, &[Check::PlaneDecodes]);
     let range = with(&|entry, _| entry.max_q -= 1);
     assert_only(&range, &[Check::TileRange]);
     assert_eq!(range.level_reached, Level::Checksum);
