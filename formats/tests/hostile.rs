@@ -103,6 +103,21 @@ fn every_cut_is_an_error() {
 }
 
 #[test]
+fn newer_minor_versions_are_read() {
+    let good = small_file(true);
+    let mut newer = good.clone();
+    // The minor version, an optional feature, a reserved field of the header and one of a section.
+    for at in [10, 24, 210, 256 + 24] {
+        newer[at] = 1;
+    }
+    let newer = harness::repaired(&newer);
+    assert_eq!(read(&newer).expect("still a good file"), read(&good).expect("a good file"));
+    let mut required = good;
+    required[16] = 1;
+    assert!(matches!(read(&harness::repaired(&required)), Err(FormatError::Unsupported(_))));
+}
+
+#[test]
 fn a_mesh_of_another_map_is_refused() {
     let mesh = |m| Relief::from_bytes(&file_with_mesh(true, m)).expect("a good file").patch_mesh();
     assert_eq!(mesh(8).expect("its mesh").m, 8);

@@ -118,7 +118,6 @@ class Relief:
             if key == wanted:
                 need(offset + sum(lengths) <= self.sections[b"TILE"][1], "a tile lies outside its section")
                 digests = [entry[k:k + 16] for k in range(48, 128, 16)]
-                need(level > 0 or (lengths[1] == 0 and not any(digests[1])), "a mip plane at level 0")
                 return offset + self.sections[b"TILE"][0], lengths, digests
             low, high = (middle + 1, high) if key < wanted else (low, middle)
         need(level < self.root, "a tile of the root level is missing")
