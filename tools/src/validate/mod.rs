@@ -4,7 +4,17 @@
 //! and metadata; `checksum` decodes every plane; `semantic` builds all derived planes again from
 //! level 0 and tries seams, poles and the mesh; `source` resamples the rasters once more. An error
 //! in `structure` or `checksum` ends the validation after that level: what lies deeper would only
-//! repeat it. Every rule and its stable code is in [`Check`].
+//! repeat it.
+//!
+//! | codes | level | about |
+//! |---|---|---|
+//! | RLF-S001 to S016 | structure | header, tail, sections, metadata, index |
+//! | RLF-C001 to C005 | checksum | sections, planes, ranges, identity |
+//! | RLF-N001 to N011 | semantic | seams, poles, filled nodes, means, H_ext, deviations |
+//! | RLF-M001 to M010 | semantic | the patch mesh |
+//! | RLF-X001 to X003 | source | heights and marks against the inputs |
+//!
+//! Each rule with its code and severity is in [`Check`]; a code never changes its meaning.
 
 pub mod check;
 mod container;
