@@ -55,7 +55,7 @@ bench-bake *arguments:
     {{ python }} tools/bench_bake.py {{ arguments }}
 
 # Fuzz the reader for some seconds (needs cargo-fuzz and a nightly Rust)
-fuzz target="reader" seconds="60":
+fuzz target="open_and_read" seconds="60":
     cd formats && cargo +nightly fuzz run {{ target }} -- -max_total_time={{ seconds }}
 
 # Build the API documentation, warnings as errors

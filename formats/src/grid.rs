@@ -62,6 +62,32 @@ impl Grid {
         key.level <= self.root_level() && key.x < self.tiles_x(key.level) && key.y < self.tiles_y(key.level)
     }
 
+    /// The node of the map that stands for (x, y) of `level`: a globe is wrapped at the seam and
+    /// carried over the poles half a turn on, a plane is mirrored at its edges (SPEC, "Beyond the
+    /// edge"). Rows end at H, columns at W - 1 (plane: W). Reaches one map's width beyond.
+    #[must_use]
+    pub fn home_node(&self, level: u32, x: i32, y: i32) -> (i32, i32) {
+        let (w, h) = (self.width(level) as i32, self.height(level) as i32);
+        let mirror = |v: i32, end: i32| if v < 0 { -v } else if v > end { 2 * end - v } else { v };
+        if self.plane {
+            return (mirror(x, w).clamp(0, w), mirror(y, h).clamp(0, h));
+        }
+        let turned = if (0..=h).contains(&y) { x } else { x + w / 2 };
+        (turned.rem_euclid(w), mirror(y, h).clamp(0, h))
+    }
+
+    /// [`Grid::home_node`] for cells.
+    #[must_use]
+    pub fn home_cell(&self, level: u32, x: i32, y: i32) -> (i32, i32) {
+        let (w, h) = (self.width(level) as i32, self.height(level) as i32);
+        let mirror = |v: i32, count: i32| if v < 0 { -1 - v } else if v >= count { 2 * count - 1 - v } else { v };
+        if self.plane {
+            return (mirror(x, w).clamp(0, w - 1), mirror(y, h).clamp(0, h - 1));
+        }
+        let turned = if (0..h).contains(&y) { x } else { x + w / 2 };
+        (turned.rem_euclid(w), mirror(y, h).clamp(0, h - 1))
+    }
+
     /// Longitude of node column `i` of `level` in degrees, -180 at column 0. Globe only.
     #[must_use]
     pub fn lon_deg(&self, level: u32, i: i64) -> f64 {
@@ -92,6 +118,19 @@ mod tests {
         assert_eq!((globe.root_level(), globe.tiles_x(5), globe.tiles_y(5)), (5, 2, 1));
         let plane = Grid::new(8, true);
         assert_eq!((plane.width(0), plane.height(0), plane.root_level()), (256, 256, 0));
+    }
+
+    #[test]
+    fn the_map_goes_on_beyond_its_edge() {
+        let globe = Grid::new(9, false);
+        assert_eq!(globe.home_node(0, -3, 5), (1021, 5));
+        assert_eq!(globe.home_node(0, 10, -2), (522, 2));
+        assert_eq!(globe.home_node(1, 10, 258), (266, 254));
+        assert_eq!(globe.home_cell(0, 0, -1), (512, 0));
+        assert_eq!(globe.home_cell(0, 1024, 512), (512, 511));
+        let plane = Grid::new(8, true);
+        assert_eq!(plane.home_node(0, -2, 258), (2, 254));
+        assert_eq!(plane.home_cell(0, 256, -1), (255, 0));
     }
 
     #[test]

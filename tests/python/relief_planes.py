@@ -229,9 +229,11 @@ def _vertical(p, residual, known, mean):
         low, high = (rest - 7) >> 1, (rest + 7) >> 1
         near = np.clip(p[j, 1:-1], low, high)
         both = np.minimum(near - low, high - near)
-        rank = _number(residual[j, 1:-1], 7)
+        rank = _number(residual[j, 1:-1], (1 << 27) - 1)
         beyond = np.where(high - near > near - low, rank - both, both - rank)
-        v[j, 1:-1] = near + np.where(rank <= 2 * both, -residual[j, 1:-1], beyond)
+        inside = near + np.where(rank <= 2 * both, -residual[j, 1:-1], beyond)
+        far = ((rank - 8) >> 1) + 1
+        v[j, 1:-1] = np.where(rank < 8, inside, np.where(rank % 2 == 0, low - far, high + far))
     return in_range(v)
 
 

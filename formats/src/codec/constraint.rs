@@ -27,9 +27,16 @@ const fn interval(partial: i32, south: i32) -> (i32, i32) {
 }
 
 /// A sample in its interval as a rank: 0 for the value nearest to the prediction, then by turns
-/// below and above it, then the rest of the longer side.
+/// below and above it, then the rest of the longer side. Samples outside the interval contradict
+/// their means, which no valid file holds; they have the even (below) and odd ranks from 8 on.
 #[inline(always)]
 fn rank(sample: i32, prediction: i32, (low, high): (i32, i32)) -> u32 {
+    if sample < low {
+        return 8 + 2 * (low - sample - 1) as u32;
+    }
+    if sample > high {
+        return 9 + 2 * (sample - high - 1) as u32;
+    }
     let near = prediction.clamp(low, high);
     let (below, above) = (near - low, high - near);
     let both = below.min(above);
@@ -37,7 +44,7 @@ fn rank(sample: i32, prediction: i32, (low, high): (i32, i32)) -> u32 {
     if offset.abs() <= both { zigzag(-offset) } else { (offset.abs() + both) as u32 }
 }
 
-/// Inverse of [`rank`]; a rank that only a damaged plane holds gives some value near the interval.
+/// Inverse of [`rank`].
 #[inline(always)]
 fn unrank(rank: u32, prediction: i32, (low, high): (i32, i32)) -> i32 {
     let near = prediction.clamp(low, high);
@@ -47,7 +54,10 @@ fn unrank(rank: u32, prediction: i32, (low, high): (i32, i32)) -> i32 {
     let turn = unzigzag(rank).wrapping_neg();
     let beyond = rank_i.wrapping_sub(both);
     let side = if above > below { beyond } else { beyond.wrapping_neg() };
-    near.wrapping_add(if rank <= 2 * both as u32 { turn } else { side })
+    let inside = near.wrapping_add(if rank <= 2 * both as u32 { turn } else { side });
+    let far = (rank_i.wrapping_sub(8) >> 1).wrapping_add(1);
+    let outside = if rank_i & 1 == 0 { low.wrapping_sub(far) } else { high.wrapping_add(far) };
+    if rank < 8 { inside } else { outside }
 }
 
 /// A row of V from the row to its south: ranks, predictions and partial sums side by side.
@@ -135,6 +145,11 @@ mod tests {
                 seen[r as usize] = true;
             }
             prop_assert!(seen.iter().all(|&s| s));
+            for v in [bounds.0 - 1, bounds.0 - 9, bounds.1 + 1, bounds.1 + 1000] {
+                let r = rank(v, prediction, bounds);
+                prop_assert!(r >= 8);
+                prop_assert_eq!(unrank(r, prediction, bounds), v);
+            }
             prop_assert_eq!(rank(prediction.clamp(bounds.0, bounds.1), prediction, bounds), 0);
         }
     }

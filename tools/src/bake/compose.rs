@@ -18,6 +18,17 @@ pub struct Composed {
     pub filled: Field<bool>,
 }
 
+impl Composed {
+    /// Another window, each of whose nodes stands where `home` says.
+    fn taken(&self, window: Window, home: impl Fn(i32, i32) -> (i32, i32)) -> Self {
+        let from = |x, y| home(x, y);
+        Self {
+            q: Field::from_fn(window, |x, y| self.q.at(from(x, y).0, from(x, y).1)),
+            filled: Field::from_fn(window, |x, y| self.filled.at(from(x, y).0, from(x, y).1)),
+        }
+    }
+}
+
 /// Samples sources for a plan.
 pub struct Composer<'a> {
     /// The inputs.
@@ -55,35 +66,46 @@ impl<'a> Composer<'a> {
     /// # Errors
     /// What the sources answer, or a height out of range.
     pub fn window(&self, level: u32, window: Window) -> Result<Composed, ToolError> {
-        let height = self.plan.grid.height(level) as i32;
-        let inner = Window::between(window.x0, window.x1(), window.y0.max(0), window.y1().min(height + 1));
-        let own = self.rows(level, inner)?;
-        if inner == window {
-            return Ok(own);
+        let grid = &self.plan.grid;
+        let height = grid.height(level) as i32;
+        if window.y0 >= 0 && window.y1() <= height + 1 && (!grid.plane || self.on_plane(level, &window)) {
+            return self.rows(level, window);
         }
-        // Rows beyond an edge: the poles are crossed half a turn on, a plane repeats its last row.
-        let mut q = Field::new(window);
-        let mut filled = Field::new(window);
-        let half = if self.plan.grid.plane { 0 } else { self.plan.grid.width(level) as i32 / 2 };
-        let mut beyond = Vec::new();
-        for (rows, edge) in [(window.y0..inner.y0, 0), (inner.y1()..window.y1(), height)] {
-            if !rows.is_empty() && !self.plan.grid.plane {
-                let (a, b) = (2 * edge - rows.start, 2 * edge - (rows.end - 1));
-                let mirror = Window::between(window.x0 + half, window.x1() + half, b, a + 1);
-                beyond.push((rows, edge, self.rows(level, mirror)?));
+        if grid.plane {
+            let home = |x, y| grid.home_node(level, x, y);
+            let columns = || (window.x0..window.x1()).map(|x| home(x, 0).0);
+            let rows = || (window.y0..window.y1()).map(|y| home(0, y).1);
+            let span = |low: Option<i32>, high: Option<i32>| (low.unwrap_or(0), high.unwrap_or(0) + 1);
+            let (x0, x1) = span(columns().min(), columns().max());
+            let (y0, y1) = span(rows().min(), rows().max());
+            return Ok(self.rows(level, Window::between(x0, x1, y0, y1))?.taken(window, home));
+        }
+        // A globe's rows beyond a pole are rows of the other side, half a turn on.
+        let half = grid.width(level) as i32 / 2;
+        let inner = Window::between(window.x0, window.x1(), window.y0.max(0), window.y1().min(height + 1));
+        let mut parts = vec![(inner, self.rows(level, inner)?)];
+        for (rows, pole) in [(window.y0..inner.y0, 0), (inner.y1()..window.y1(), height)] {
+            if !rows.is_empty() {
+                let (south, north) = (2 * pole - (rows.end - 1), 2 * pole - rows.start);
+                let mirror = Window::between(window.x0 + half, window.x1() + half, south, north + 1);
+                let across = self.rows(level, mirror)?;
+                let beyond = Window::between(window.x0, window.x1(), rows.start, rows.end);
+                parts.push((beyond, across.taken(beyond, |x, y| (x + half, 2 * pole - y))));
             }
         }
-        let nx = window.nx;
-        for (k, y) in (window.y0..window.y1()).enumerate() {
-            let found = beyond.iter().find(|(rows, ..)| rows.contains(&y));
-            let (from, x, row) = match found {
-                Some((_, edge, mirrored)) => (mirrored, window.x0 + half, 2 * edge - y),
-                None => (&own, window.x0, y.clamp(0, height)),
-            };
-            q.data_mut()[k * nx..][..nx].copy_from_slice(from.q.row(row, x, nx));
-            filled.data_mut()[k * nx..][..nx].copy_from_slice(from.filled.row(row, x, nx));
+        let mut whole = Composed { q: Field::new(window), filled: Field::new(window) };
+        for (part, composed) in &parts {
+            for y in part.y0..part.y1() {
+                let at = (y - window.y0) as usize * window.nx;
+                whole.q.data_mut()[at..][..window.nx].copy_from_slice(composed.q.row(y, window.x0, window.nx));
+                whole.filled.data_mut()[at..][..window.nx].copy_from_slice(composed.filled.row(y, window.x0, window.nx));
+            }
         }
-        Ok(Composed { q, filled })
+        Ok(whole)
+    }
+
+    fn on_plane(&self, level: u32, window: &Window) -> bool {
+        window.x0 >= 0 && window.x1() <= self.plan.grid.width(level) as i32 + 1
     }
 
     /// Nodes of rows 0..=H.

@@ -52,8 +52,7 @@ impl<'a> Handoffs<'a> {
         let padded = core.expand(pad);
         let blocks = self.around(padded)?;
         let node = |x: i32, y: i32| {
-            let (x, y) = plan.home(level, i64::from(x), i64::from(y));
-            let (x, y) = (x as i32, y as i32);
+            let (x, y) = plan.grid.home_node(level, x, y);
             (&*blocks[&((x / SIDE).min(w / SIDE - 1), (y / SIDE).min(h / SIDE - 1))], x, y)
         };
         let nodes = padded.nodes();
@@ -70,7 +69,7 @@ impl<'a> Handoffs<'a> {
             block.filled.at(x, y)
         });
         let cell = |x: i32, y: i32| {
-            let (x, y) = self.home_cell(x, y, w, h);
+            let (x, y) = plan.grid.home_cell(level, x, y);
             (blocks[&(x / SIDE, y / SIDE)].base.below.as_ref(), x, y)
         };
         let below = Below {
@@ -105,29 +104,16 @@ impl<'a> Handoffs<'a> {
         Ok((Base { level, nodes: base_nodes, mip: Some(mip), below: Some(below) }, filled))
     }
 
-    fn home_cell(&self, x: i32, y: i32, w: i32, h: i32) -> (i32, i32) {
-        if self.composer.plan.grid.plane {
-            return (x.clamp(0, w - 1), y.clamp(0, h - 1));
-        }
-        let (x, y) = match y {
-            y if y < 0 => (x + w / 2, -1 - y),
-            y if y >= h => (x + w / 2, 2 * h - 1 - y),
-            y => (x, y),
-        };
-        (x.rem_euclid(w), y.clamp(0, h - 1))
-    }
-
     /// All blocks that a padded window touches, over seam and poles.
     fn around(&self, padded: Window) -> Result<HashMap<(i32, i32), Arc<Handoff>>, ToolError> {
         let grid = &self.composer.plan.grid;
-        let (w, h) = (grid.width(self.level) as i32, grid.height(self.level) as i32);
         let mut blocks = HashMap::new();
         // A step of a block from the padded corner on, and the far edge, meet every block.
         let steps = |from: i32, to: i32| (from..to).step_by(SIDE as usize).chain([to]);
         for y in steps(padded.y0, padded.y1()) {
             for x in steps(padded.x0, padded.x1()) {
                 for (x, y) in [(x, y), (x - 1, y), (x, y - 1), (x - 1, y - 1)] {
-                    let (x, y) = self.home_cell(x, y, w, h);
+                    let (x, y) = grid.home_cell(self.level, x, y);
                     let key = (x / SIDE, y / SIDE);
                     if !blocks.contains_key(&key) {
                         let block = match self.blocks.get(&key) {

@@ -118,26 +118,10 @@ impl Plan {
         if self.dense {
             return false;
         }
-        let (x, y) = self.home(level, i64::from(x), i64::from(y));
+        let (x, y) = self.grid.home_node(level, x, y);
         let (w, h) = (self.grid.tiles_x(level), self.grid.tiles_y(level));
-        let tile = |v: i64, n: u32| ((v / i64::from(TILE_CELLS)) as u32).min(n - 1);
+        let tile = |v: i32, n: u32| (v as u32 / TILE_CELLS).min(n - 1);
         !self.has(TileKey::new(level, tile(x, w), tile(y, h)))
-    }
-
-    /// The node of the map that stands for (x, y): wrapped at the seam and carried over the poles
-    /// on a globe, held to the edge on a plane. Rows end at H, columns at W - 1 (a plane: W).
-    #[must_use]
-    pub fn home(&self, level: u32, x: i64, y: i64) -> (i64, i64) {
-        let (w, h) = (i64::from(self.grid.width(level)), i64::from(self.grid.height(level)));
-        if self.grid.plane {
-            return (x.clamp(0, w), y.clamp(0, h));
-        }
-        let (x, y) = match y {
-            y if y < 0 => (x + w / 2, -y),
-            y if y > h => (x + w / 2, 2 * h - y),
-            y => (x, y),
-        };
-        (x.rem_euclid(w), y.clamp(0, h))
     }
 
     /// Metres per step.

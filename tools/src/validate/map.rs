@@ -45,33 +45,6 @@ impl<'a> Map<'a> {
         (self.grid.width(level) as i32, self.grid.height(level) as i32)
     }
 
-    /// The node of the map that stands for (x, y): wrapped at the seam and carried over the poles
-    /// half a turn on, or held to a plane's edge.
-    pub fn home_node(&self, level: u32, x: i32, y: i32) -> (i32, i32) {
-        let (w, h) = self.size(level);
-        if self.grid.plane {
-            return (x.clamp(0, w), y.clamp(0, h));
-        }
-        match y {
-            y if y < 0 => ((x + w / 2).rem_euclid(w), -y),
-            y if y > h => ((x + w / 2).rem_euclid(w), 2 * h - y),
-            y => (x.rem_euclid(w), y),
-        }
-    }
-
-    /// [`Map::home_node`] for cells.
-    pub fn home_cell(&self, level: u32, x: i32, y: i32) -> (i32, i32) {
-        let (w, h) = self.size(level);
-        if self.grid.plane {
-            return (x.clamp(0, w - 1), y.clamp(0, h - 1));
-        }
-        match y {
-            y if y < 0 => ((x + w / 2).rem_euclid(w), -1 - y),
-            y if y >= h => ((x + w / 2).rem_euclid(w), 2 * h - 1 - y),
-            y => (x.rem_euclid(w), y),
-        }
-    }
-
     /// The tile that owns a node of the map: the one to its north-east, but at the last row (and
     /// a plane's last column).
     fn owner(&self, level: u32, (x, y): (i32, i32)) -> TileKey {
@@ -81,7 +54,7 @@ impl<'a> Map<'a> {
 
     /// True when the tile that owns node (x, y), which may lie beyond the map, is absent.
     pub fn absent(&self, level: u32, x: i32, y: i32) -> bool {
-        self.present.is_some() && !self.has(self.owner(level, self.home_node(level, x, y)))
+        self.present.is_some() && !self.has(self.owner(level, self.grid.home_node(level, x, y)))
     }
 
     /// Nodes of a window that may reach beyond the map.
@@ -95,7 +68,7 @@ impl<'a> Map<'a> {
         for (y, out) in (window.y0..).zip(field.data_mut().chunks_exact_mut(window.nx.max(1))) {
             let mut x = window.x0;
             while x < window.x1() {
-                let home = self.home_node(level, x, y);
+                let home = self.grid.home_node(level, x, y);
                 let key = self.owner(level, home);
                 let samples = match held.get(&key) {
                     Some(samples) => samples,

@@ -49,7 +49,7 @@ impl<'a> Summaries<'a> {
         let mut near = Near { summaries: self, row: None, held: HashMap::new(), last: None };
         for y in padded.y0..=padded.y1() {
             for x in padded.x0..=padded.x1() {
-                let (hx, hy) = map.home_node(level, x, y);
+                let (hx, hy) = map.grid.home_node(level, x, y);
                 let base = near.at(hx.min(w - 1), hy.min(h - 1))?;
                 put(&mut mip, x, y, base.mip.as_ref().unwrap_or(&base.nodes).at(hx, hy));
             }
@@ -57,7 +57,7 @@ impl<'a> Summaries<'a> {
                 break;
             }
             for x in padded.x0..padded.x1() {
-                let (hx, hy) = map.home_cell(level, x, y);
+                let (hx, hy) = map.grid.home_cell(level, x, y);
                 let Some(below) = &near.at(hx, hy)?.below else { continue };
                 put(&mut intervals, x, y, below.intervals.at(hx, hy));
                 put(&mut centres, x, y, below.centres.at(hx, hy));
