@@ -21,7 +21,8 @@ pub fn wavy_q(grid: Grid, i: u32, j: u32) -> i32 {
         j if j == height && !grid.plane => 4228,
         _ => {
             let (x, y) = (f64::from(i) / f64::from(width), f64::from(j) / f64::from(height));
-            let waves = (x * 18.0).sin() * 3000.0 * (y * 3.14).sin() + (x * 41.0 + y * 77.0).cos() * 900.0;
+            let waves =
+                (x * 18.0).sin() * 3000.0 * (y * std::f64::consts::PI).sin() + (x * 41.0 + y * 77.0).cos() * 900.0;
             let noise = (i.wrapping_mul(0x9e37_79b1) ^ j.wrapping_mul(0x85eb_ca6b)).wrapping_mul(0xc2b2_ae35) >> 26;
             waves as i32 + noise as i32
         }

@@ -110,11 +110,17 @@ impl Writer<'_> {
     ) -> Result<(), ToolError> {
         let Rectangle { column, row, columns, rows } = self.rectangle;
         let options = options(&[
-            "TILED=YES", "BLOCKXSIZE=256", "BLOCKYSIZE=256", "COMPRESS=ZSTD", "ZSTD_LEVEL=1", "PREDICTOR=2",
+            "TILED=YES",
+            "BLOCKXSIZE=256",
+            "BLOCKYSIZE=256",
+            "COMPRESS=ZSTD",
+            "ZSTD_LEVEL=1",
+            "PREDICTOR=2",
             "BIGTIFF=IF_SAFER",
         ]);
         let driver = self.gdal(DriverManager::get_driver_by_name("GTiff"))?;
-        let created = driver.create_with_band_type_with_options::<T, _>(at, columns as usize, rows as usize, 1, &options);
+        let created =
+            driver.create_with_band_type_with_options::<T, _>(at, columns as usize, rows as usize, 1, &options);
         let mut dataset = self.gdal(created)?;
         self.describe(&mut dataset)?;
         let mut band = self.gdal(dataset.rasterband(1))?;
@@ -183,8 +189,13 @@ impl Writer<'_> {
             _ => "OVERVIEW_RESAMPLING=NEAREST",
         };
         let options = options(&[
-            "COMPRESS=DEFLATE", "PREDICTOR=YES", "OVERVIEW_PREDICTOR=YES", "BLOCKSIZE=512", "BIGTIFF=IF_SAFER",
-            "NUM_THREADS=ALL_CPUS", resampling,
+            "COMPRESS=DEFLATE",
+            "PREDICTOR=YES",
+            "OVERVIEW_PREDICTOR=YES",
+            "BLOCKSIZE=512",
+            "BIGTIFF=IF_SAFER",
+            "NUM_THREADS=ALL_CPUS",
+            resampling,
         ]);
         let copy = self.gdal(source.create_copy(&driver, cog, &options))?;
         self.gdal(copy.close())?;
@@ -203,11 +214,13 @@ impl Writer<'_> {
         result.map_err(|error| self.refused(&quiet::explain(&error)))
     }
 
+    /// The first failures tell the cause; what follows are its echoes.
     fn refused(&self, words: &str) -> ToolError {
+        let words: Vec<&str> = words.split("; ").take(2).collect();
         ToolError::Io {
             action: "cannot write",
             path: self.path.to_path_buf(),
-            error: std::io::Error::other(words.to_owned()),
+            error: std::io::Error::other(words.join("; ")),
             remedy: "check that the disk has room (twice the raster), or export a --window or a coarser --level".into(),
         }
     }

@@ -103,13 +103,16 @@ fn voids_are_nodata_only_where_they_are_void() {
     let folder = Folder::new();
     let filled = |i: u32, j: u32| (10..20).contains(&i) && j == 100;
     let out = folder.path("a.tif");
-    for (step_exponent, fill, void) in [(0, "none", Some(-32768.0)), (-1, "none", Some(f64::NAN)), (0, "interpolate", None)] {
+    for (step_exponent, fill, void) in
+        [(0, "none", Some(-32768.0)), (-1, "none", Some(f64::NAN)), (0, "interpolate", None)]
+    {
         let file = folder.sample("a.relief", &Sample { step_exponent, fill, filled, ..earth(8) });
         assert_eq!(relief_bake!("export", file, "-o", out, "--force").code, 0);
         let raster = Raster::read(&out);
         assert_eq!(raster.void().map(|v| v.to_string()), void.map(|v: f64| v.to_string()));
         let row = 256 - 100;
-        let is_void = |x: usize| void.is_some_and(|v| v == raster.at(x, row) || v.is_nan() && raster.at(x, row).is_nan());
+        let is_void =
+            |x: usize| void.is_some_and(|v| v == raster.at(x, row) || v.is_nan() && raster.at(x, row).is_nan());
         assert_eq!([9, 10, 19, 20].map(is_void), [false, void.is_some(), void.is_some(), false]);
     }
 }
@@ -171,7 +174,10 @@ fn the_mesh_is_a_glb() {
         let run = relief_bake!("export", file, "-o", out);
         assert_eq!(run.code, 0, "{}", run.stderr);
         let bytes = std::fs::read(&out).unwrap();
-        assert_eq!((&bytes[..4], bytes.len() as u32), (&b"glTF"[..], u32::from_le_bytes(bytes[8..12].try_into().unwrap())));
+        assert_eq!(
+            (&bytes[..4], bytes.len() as u32),
+            (&b"glTF"[..], u32::from_le_bytes(bytes[8..12].try_into().unwrap()))
+        );
         let json_bytes = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
         let document: common::Value = serde_json::from_slice(&bytes[20..20 + json_bytes]).unwrap();
         assert_eq!(document["images"][0]["mimeType"], "image/png");

@@ -15,8 +15,23 @@ fn json_has_the_promised_keys_and_values() {
     assert_eq!(
         keys,
         [
-            "body", "bound_m", "content_id", "file_bytes", "height", "levels", "m", "max_m", "min_m", "north_pole_m",
-            "planes", "sources", "south_pole_m", "step_m", "tiles", "vertical", "width",
+            "body",
+            "bound_m",
+            "content_id",
+            "file_bytes",
+            "height",
+            "levels",
+            "m",
+            "max_m",
+            "min_m",
+            "north_pole_m",
+            "planes",
+            "sources",
+            "south_pole_m",
+            "step_m",
+            "tiles",
+            "vertical",
+            "width",
         ]
     );
     assert_eq!((&facts["m"], &facts["width"], &facts["height"]), (&9.into(), &1024.into(), &512.into()));

@@ -13,6 +13,10 @@ pub const HEADER_BYTES: usize = 256;
 pub const MAJOR: u16 = 1;
 /// Minor version: newer ones add what older readers may ignore.
 pub const MINOR: u16 = 0;
+/// Where the header's own BLAKE3 lies, over all bytes before it.
+pub(super) const HASH_AT: usize = 224;
+/// What a newer minor version may use: its number, optional features, reserved bytes.
+const OPEN_TO_LATER: [std::ops::Range<usize>; 4] = [10..12, 24..32, 100..104, 200..HASH_AT];
 /// Exponents k that a step of 2^k metres may have.
 pub const STEP_EXPONENTS: std::ops::RangeInclusive<i8> = -16..=10;
 
@@ -96,9 +100,19 @@ impl Header {
         put(96, &self.section_count.to_le_bytes());
         put(104, &self.content_id);
         put(168, &self.table_hash);
-        let hash = *blake3::hash(&bytes[..224]).as_bytes();
-        bytes[224..].copy_from_slice(&hash);
+        let hash = *blake3::hash(&bytes[..HASH_AT]).as_bytes();
+        bytes[HASH_AT..].copy_from_slice(&hash);
         bytes
+    }
+
+    /// True when `bytes`, whose hash is right, hold nothing but what [`Header::encode`] writes and
+    /// what a newer minor version may add.
+    fn explains(&self, bytes: &[u8]) -> bool {
+        let mut known = self.encode();
+        if bytes[10..12] != MINOR.to_le_bytes() {
+            OPEN_TO_LATER.into_iter().for_each(|open| known[open.clone()].copy_from_slice(&bytes[open]));
+        }
+        known[..HASH_AT] == bytes[..HASH_AT]
     }
 
     /// Reads and checks a header. The ellipsoid's name and a plane's CRS are empty: they are in
@@ -115,7 +129,7 @@ impl Header {
         if major != MAJOR {
             return Err(FormatError::Unsupported(format!("major version {major}, this reader knows {MAJOR}")));
         }
-        if blake3::hash(&bytes[..224]).as_bytes()[..] != bytes[224..] {
+        if blake3::hash(&bytes[..HASH_AT]).as_bytes()[..] != bytes[HASH_AT..] {
             return Err(FormatError::damaged("the header's checksum does not match"));
         }
         let u64_at = |at: usize| u64::from_le_bytes(array(bytes, at));
@@ -127,7 +141,13 @@ impl Header {
         let m = u32::from(bytes[33]);
         let body = match bytes[32] {
             0 => Body::Ellipsoid { name: String::new(), a_m: f64_at(40), b_m: f64_at(48) },
-            1 => Body::Plane { crs_wkt: String::new(), x0: f64_at(136), y0: f64_at(144), dx: f64_at(152), dy: f64_at(160) },
+            1 => Body::Plane {
+                crs_wkt: String::new(),
+                x0: f64_at(136),
+                y0: f64_at(144),
+                dx: f64_at(152),
+                dy: f64_at(160),
+            },
             kind => return Err(FormatError::Unsupported(format!("body kind {kind}"))),
         };
         let sizes_good = match &body {
@@ -154,9 +174,9 @@ impl Header {
         if !M_RANGE.contains(&m)
             || !sizes_good
             || !STEP_EXPONENTS.contains(&header.step_exponent)
-            || samples.iter().any(|q| q.abs() > SAMPLE_LIMIT)
+            || samples.iter().any(|q| q.unsigned_abs() > SAMPLE_LIMIT.unsigned_abs())
             || header.min_q > header.max_q
-            || header.encode()[..] != *bytes
+            || !header.explains(bytes)
         {
             return Err(FormatError::damaged("the header holds a number out of range"));
         }
@@ -196,7 +216,8 @@ pub(super) mod tests {
     fn round_trip() {
         let header = sample();
         assert_eq!(Header::decode(&header.encode()).unwrap(), header);
-        let plane = Header { body: Body::Plane { crs_wkt: String::new(), x0: -3.5, y0: 1e6, dx: 30.0, dy: 30.0 }, ..sample() };
+        let plane =
+            Header { body: Body::Plane { crs_wkt: String::new(), x0: -3.5, y0: 1e6, dx: 30.0, dy: 30.0 }, ..sample() };
         assert_eq!(Header::decode(&plane.encode()).unwrap(), plane);
     }
 
@@ -207,6 +228,26 @@ pub(super) mod tests {
             let mut bad = bytes;
             bad[bit / 8] ^= 1 << (bit % 8);
             assert!(Header::decode(&bad).is_err(), "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn newer_minor_versions_are_read_and_other_changes_are_not() {
+        let changed = |changes: &[(usize, u8)]| {
+            let mut bytes = sample().encode();
+            changes.iter().for_each(|&(at, value)| bytes[at] = value);
+            let hash = *blake3::hash(&bytes[..HASH_AT]).as_bytes();
+            bytes[HASH_AT..].copy_from_slice(&hash);
+            Header::decode(&bytes)
+        };
+        assert_eq!(changed(&[(10, 1)]).unwrap(), sample());
+        assert_eq!(changed(&[(10, 1), (24, 1), (100, 5), (223, 7)]).unwrap(), sample());
+        for damaged in [vec![(24, 1)], vec![(100, 5)], vec![(223, 7)], vec![(10, 1), (36, 1)], vec![(10, 1), (136, 1)]]
+        {
+            assert!(matches!(changed(&damaged), Err(FormatError::Damaged(_))), "{damaged:?}");
+        }
+        for newer in [[(8, 2)], [(16, 1)], [(32, 2)]] {
+            assert!(matches!(changed(&newer), Err(FormatError::Unsupported(_))), "{newer:?}");
         }
     }
 

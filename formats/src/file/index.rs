@@ -67,7 +67,8 @@ impl Entry {
         ((31 - key.level as u64) << 56) | key.morton()
     }
 
-    /// The entry's bytes.
+    /// The entry's bytes; bytes 44 to 48 are its own checksum, so that a search notices a damaged
+    /// key without a pass over the whole index.
     #[must_use]
     pub fn encode(&self) -> [u8; ENTRY_BYTES] {
         let mut bytes = [0; ENTRY_BYTES];
@@ -81,11 +82,18 @@ impl Entry {
         for (k, digest) in self.digests.iter().enumerate() {
             bytes[48 + 16 * k..64 + 16 * k].copy_from_slice(digest);
         }
+        let check = check(&bytes);
+        bytes[CHECK].copy_from_slice(&check);
         bytes
     }
 
-    /// Reads an entry; its range must lie in a tile section of `tile_bytes`.
+    /// Reads an entry of [`ENTRY_BYTES`]; its range must lie in a tile section of `tile_bytes`.
     pub fn decode(bytes: &[u8], grid: &Grid, tile_bytes: u64) -> Result<Self, FormatError> {
+        let mut bare: [u8; ENTRY_BYTES] = array(bytes, 0);
+        bare[CHECK].fill(0);
+        if bytes[CHECK] != check(&bare) {
+            return Err(FormatError::damaged("an index entry's checksum does not match"));
+        }
         let sort_key = u64::from_le_bytes(array(bytes, 0));
         let level = 31 - ((sort_key >> 56) as u32).min(31);
         let key = TileKey::from_morton(level, sort_key & ((1 << 56) - 1));
@@ -117,6 +125,14 @@ impl Entry {
         let start = self.offset + before;
         start..start + u64::from(self.lengths[plane as usize])
     }
+}
+
+/// Where an entry's checksum lies.
+const CHECK: std::ops::Range<usize> = 44..48;
+
+/// The first bytes of the hash of an entry whose checksum is zero.
+fn check(entry: &[u8; ENTRY_BYTES]) -> [u8; 4] {
+    array(blake3::hash(entry).as_bytes(), 0)
 }
 
 /// The digest of a plane's decoded samples.
@@ -161,5 +177,23 @@ mod tests {
         assert!(Entry::decode(&far.encode(), &grid, 1150).is_err());
         let overflow = Entry { offset: u64::MAX, ..entry };
         assert!(Entry::decode(&overflow.encode(), &grid, 1150).is_err());
+    }
+    #[test]
+    fn every_flipped_bit_is_refused() {
+        let entry = Entry {
+            key: TileKey::new(0, 1, 1),
+            offset: 0,
+            lengths: [1, 0, 1, 1, 1],
+            min_q: 0,
+            max_q: 0,
+            digests: [[0; 16]; 5],
+        };
+        let bytes = entry.encode();
+        assert_eq!(Entry::decode(&bytes, &Grid::new(10, false), 4).unwrap(), entry);
+        for bit in 0..ENTRY_BYTES * 8 {
+            let mut bad = bytes;
+            bad[bit / 8] ^= 1 << (bit % 8);
+            assert!(Entry::decode(&bad, &Grid::new(10, false), u64::MAX).is_err(), "bit {bit}");
+        }
     }
 }

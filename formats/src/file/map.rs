@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::Path;
 
-use memmap2::Mmap;
+use memmap2::{Mmap, MmapMut};
 
 use super::FormatError;
 
@@ -19,4 +19,15 @@ pub fn map(path: &Path) -> Result<Mmap, FormatError> {
     // SAFETY: files are published whole by rename and never edited in place (SPEC, "Publishing"),
     // so the bytes do not change under the map.
     unsafe { Mmap::map(&file) }.map_err(io("cannot map"))
+}
+
+/// A private copy of bytes that came from elsewhere.
+pub fn copy(bytes: &[u8]) -> Result<Mmap, FormatError> {
+    if bytes.is_empty() {
+        return Err(FormatError::NotRelief("the file is empty"));
+    }
+    let io = |error| FormatError::Io { action: "cannot reserve memory", path: "(memory)".into(), error };
+    let mut map = MmapMut::map_anon(bytes.len()).map_err(io)?;
+    map.copy_from_slice(bytes);
+    map.make_read_only().map_err(io)
 }

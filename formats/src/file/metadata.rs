@@ -41,3 +41,42 @@ impl Metadata {
         serde_json::from_slice(bytes).map_err(|e| FormatError::damaged(format!("metadata: {e}")))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn of(body: Body) -> Metadata {
+        Metadata {
+            body,
+            vertical: "ellipsoid".into(),
+            sources: vec![serde_json::json!({"name": "a.tif"})],
+            resampling: "auto".into(),
+            fill: "none".into(),
+            bound_m: 0.5,
+            versions: BTreeMap::new(),
+        }
+    }
+
+    proptest! {
+        /// The header holds the same f64: text must bring back every bit.
+        #[test]
+        fn numbers_come_back_to_the_bit(x0 in -1e8..1e8f64, y0: f64, dx in 1e-9..1e5f64) {
+            prop_assume!(y0.is_finite());
+            let metadata = of(Body::Plane { crs_wkt: "x".into(), x0, y0, dx, dy: dx / 3.0 });
+            let bytes = metadata.encode().unwrap();
+            prop_assert_eq!(Metadata::decode(&bytes).unwrap(), metadata);
+        }
+    }
+
+    #[test]
+    fn keys_are_sorted_and_unknown_ones_are_allowed() {
+        let text = String::from_utf8(of(Body::earth()).encode().unwrap()).unwrap();
+        assert!(text.starts_with(r#"{"body":{"a_m":6378137.0,"b_m":6356752.314245179,"kind":"ellipsoid","name":"earth"},"bound_m":0.5,"fill":"none""#));
+        assert!(text.ends_with("}\n") && !text.contains(": "));
+        let later = text.replacen('{', r#"{"imagery":{"layers":1},"#, 1);
+        assert_eq!(Metadata::decode(later.as_bytes()).unwrap(), of(Body::earth()));
+        assert!(Metadata::decode(b"{}").is_err());
+    }
+}

@@ -5,13 +5,14 @@ use std::path::Path;
 
 use memmap2::Mmap;
 
-use super::header::{HEADER_BYTES, array};
+use super::header::HEADER_BYTES;
 use super::index::ENTRY_BYTES;
 use super::section::{INDEX, MAX_SECTIONS, MESH, META, ROW_BYTES, Section, TILES};
-use super::writer::{TAIL_BYTES, tail};
+use super::writer::{TAIL_BYTES, tail_of};
 use super::{Entry, FormatError, Header, Metadata, Plane};
 use crate::body::Body;
 use crate::grid::Grid;
+use crate::mesh::{self, PatchMesh};
 use crate::tile::TileKey;
 
 /// An open file: its header and metadata are checked, its tiles are checked when they are read.
@@ -27,7 +28,15 @@ pub struct Relief {
 impl Relief {
     /// Maps and checks a file: header, length, tail, section table, metadata.
     pub fn open(path: &Path) -> Result<Self, FormatError> {
-        let map = super::map::map(path)?;
+        Self::check(super::map::map(path)?)
+    }
+
+    /// Checks a file that is in memory already, and keeps a copy of it.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::check(super::map::copy(bytes)?)
+    }
+
+    fn check(map: Mmap) -> Result<Self, FormatError> {
         let mut header = Header::decode(&map)?;
         if header.file_bytes != map.len() as u64 {
             return Err(FormatError::damaged(format!(
@@ -41,7 +50,7 @@ impl Relief {
             return Err(FormatError::damaged("no room for the sections that the header counts"));
         }
         let tail_at = map.len() - TAIL_BYTES;
-        if map[tail_at..] != tail(&header) {
+        if map[tail_at..] != tail_of(&map[..HEADER_BYTES], header.file_bytes) {
             return Err(FormatError::damaged("the tail does not match the header"));
         }
         let table = &map[HEADER_BYTES..HEADER_BYTES + rows];
@@ -49,11 +58,12 @@ impl Relief {
             return Err(FormatError::damaged("the section table's checksum does not match"));
         }
         let sections = Section::decode_table(table, (HEADER_BYTES + rows) as u64, tail_at as u64)?;
-        let find = |kind: [u8; 4]| {
-            sections.iter().find(|s| s.kind == kind).map(range_of).ok_or_else(|| {
-                FormatError::damaged(format!("section {} is missing", String::from_utf8_lossy(&kind)))
-            })
-        };
+        let find =
+            |kind: [u8; 4]| {
+                sections.iter().find(|s| s.kind == kind).map(range_of).ok_or_else(|| {
+                    FormatError::damaged(format!("section {} is missing", String::from_utf8_lossy(&kind)))
+                })
+            };
         let (meta, index, tiles) = (find(META)?, find(INDEX)?, find(TILES)?);
         find(MESH)?;
         if index.len() as u64 != header.tile_count.saturating_mul(ENTRY_BYTES as u64) {
@@ -61,6 +71,9 @@ impl Relief {
         }
         if meta.len() as u64 > Metadata::MAX_BYTES {
             return Err(FormatError::damaged("the metadata is larger than any can be"));
+        }
+        if sections.iter().any(|s| s.kind == META && *blake3::hash(&map[range_of(s)]).as_bytes() != s.hash) {
+            return Err(FormatError::damaged("the metadata's checksum does not match"));
         }
         let metadata = Metadata::decode(&map[meta])?;
         adopt_names(&mut header.body, &metadata.body)?;
@@ -115,6 +128,24 @@ impl Relief {
         self.sections.iter().find(|s| s.kind == kind).map(|s| &self.map[range_of(s)])
     }
 
+    /// The patch mesh, its checksum and map exponent checked.
+    pub fn patch_mesh(&self) -> Result<PatchMesh, FormatError> {
+        let section = self.sections.iter().find(|s| s.kind == MESH);
+        let section = section.ok_or_else(|| FormatError::damaged("section MESH is missing"))?;
+        let bytes = &self.map[range_of(section)];
+        if *blake3::hash(bytes).as_bytes() != section.hash {
+            return Err(FormatError::damaged("the mesh's checksum does not match"));
+        }
+        let mesh = mesh::decode_section(bytes).map_err(|e| FormatError::damaged(e.to_string()))?;
+        if mesh.m != self.header.m {
+            return Err(FormatError::damaged(format!(
+                "the mesh is for m = {}, the file has {}",
+                mesh.m, self.header.m
+            )));
+        }
+        Ok(mesh)
+    }
+
     /// Number of tiles.
     #[must_use]
     pub fn tile_count(&self) -> usize {
@@ -132,7 +163,8 @@ impl Relief {
         (0..self.tile_count()).map(|n| self.entry(n))
     }
 
-    /// The entry of a tile, or none when the file has no such tile.
+    /// The entry of a tile, or none when the file has no such tile. Every entry on the way is
+    /// checked, so a damaged one is an error and never looks like an absent tile.
     pub fn find(&self, key: TileKey) -> Result<Option<Entry>, FormatError> {
         if !self.grid().contains(key) {
             return Err(FormatError::Request(format!("no tile ({}, {}) at level {}", key.x, key.y, key.level)));
@@ -141,12 +173,11 @@ impl Relief {
         let (mut low, mut high) = (0, self.tile_count());
         while low < high {
             let middle = low.midpoint(high);
-            let at = self.index.start + middle * ENTRY_BYTES;
-            let found = u64::from_le_bytes(array(&self.map, at));
-            match found.cmp(&wanted) {
+            let entry = self.entry(middle)?;
+            match Entry::sort_key(entry.key).cmp(&wanted) {
                 std::cmp::Ordering::Less => low = middle + 1,
                 std::cmp::Ordering::Greater => high = middle,
-                std::cmp::Ordering::Equal => return self.entry(middle).map(Some),
+                std::cmp::Ordering::Equal => return Ok(Some(entry)),
             }
         }
         Ok(None)
@@ -170,10 +201,11 @@ fn adopt_names(header: &mut Body, metadata: &Body) -> Result<(), FormatError> {
         (Body::Ellipsoid { name, a_m, b_m }, Body::Ellipsoid { name: n, a_m: a, b_m: b }) if a_m == a && b_m == b => {
             name.clone_from(n);
         }
-        (
-            Body::Plane { crs_wkt, x0, y0, dx, dy },
-            Body::Plane { crs_wkt: c, x0: x, y0: y, dx: u, dy: v },
-        ) if (&*x0, &*y0, &*dx, &*dy) == (x, y, u, v) => crs_wkt.clone_from(c),
+        (Body::Plane { crs_wkt, x0, y0, dx, dy }, Body::Plane { crs_wkt: c, x0: x, y0: y, dx: u, dy: v })
+            if (&*x0, &*y0, &*dx, &*dy) == (x, y, u, v) =>
+        {
+            crs_wkt.clone_from(c)
+        }
         _ => return Err(FormatError::damaged("the metadata's body is not the header's")),
     }
     Ok(())

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use super::header::{HEADER_BYTES, MAGIC};
+use super::header::{HASH_AT as HEADER_HASH_AT, HEADER_BYTES, MAGIC};
 use super::index::{ENTRY_BYTES, content_id};
 use super::section::{self, INDEX, MESH, META, ROW_BYTES, Section, TILES};
 use super::{Entry, FormatError, Header, Metadata};
@@ -98,7 +98,13 @@ fn write_all(
     out.write_all(&vec![0; position as usize])?;
     let mut table = Vec::new();
     for (kind, bytes) in [(META, &metadata[..]), (MESH, spec.mesh), (INDEX, &index)] {
-        table.push(Section { kind, flags: 0, offset: position, length: bytes.len() as u64, hash: *blake3::hash(bytes).as_bytes() });
+        table.push(Section {
+            kind,
+            flags: 0,
+            offset: position,
+            length: bytes.len() as u64,
+            hash: *blake3::hash(bytes).as_bytes(),
+        });
         out.write_all(bytes)?;
         let next = section::align(position + bytes.len() as u64);
         out.write_all(&vec![0; (next - position) as usize - bytes.len()])?;
@@ -111,13 +117,21 @@ fn write_all(
         buffer.clear();
         read(k, &mut buffer)?;
         if buffer.len() as u64 != entry.bytes() {
-            return Err(Failure::Format(FormatError::Request("a tile's bytes are not as long as its entry says".into())));
+            return Err(Failure::Format(FormatError::Request(
+                "a tile's bytes are not as long as its entry says".into(),
+            )));
         }
         hasher.update(&buffer);
         out.write_all(&buffer)?;
         position += buffer.len() as u64;
     }
-    table.push(Section { kind: TILES, flags: 0, offset: start, length: position - start, hash: *hasher.finalize().as_bytes() });
+    table.push(Section {
+        kind: TILES,
+        flags: 0,
+        offset: start,
+        length: position - start,
+        hash: *hasher.finalize().as_bytes(),
+    });
     let tail_at = section::align(position);
     out.write_all(&vec![0; (tail_at - position) as usize])?;
 
@@ -137,9 +151,10 @@ fn write_all(
         table_hash: *blake3::hash(&rows).as_bytes(),
     };
     header.content_id = content_id(&header.identity_bytes(), placed.iter());
-    out.write_all(&tail(&header))?;
+    let head = header.encode();
+    out.write_all(&tail_of(&head, header.file_bytes))?;
     out.seek(SeekFrom::Start(0))?;
-    out.write_all(&header.encode())?;
+    out.write_all(&head)?;
     out.write_all(&rows)?;
     out.flush()?;
     Ok(header)
@@ -148,12 +163,18 @@ fn write_all(
 /// The last 64 bytes: the signature backwards, the file's size, the header's checksum, zeros.
 #[must_use]
 pub fn tail(header: &Header) -> [u8; TAIL_BYTES] {
+    tail_of(&header.encode(), header.file_bytes)
+}
+
+/// The tail of a file with these header bytes, of which a newer version may have written more than
+/// [`Header`] knows.
+pub(super) fn tail_of(header: &[u8], file_bytes: u64) -> [u8; TAIL_BYTES] {
     let mut bytes = [0; TAIL_BYTES];
     for (to, from) in bytes.iter_mut().zip(MAGIC.iter().rev()) {
         *to = *from;
     }
-    bytes[8..16].copy_from_slice(&header.file_bytes.to_le_bytes());
-    bytes[16..48].copy_from_slice(&header.encode()[224..]);
+    bytes[8..16].copy_from_slice(&file_bytes.to_le_bytes());
+    bytes[16..48].copy_from_slice(&header[HEADER_HASH_AT..]);
     bytes
 }
 

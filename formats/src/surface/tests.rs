@@ -48,8 +48,7 @@ fn nodes_seam_and_poles_are_exact() {
 
 #[test]
 fn fills_spread_to_the_cells_they_touch() {
-    let (_folder, relief) =
-        open(&Sample { filled: |i, j| (i, j) == (10, 20), ..Sample::new(Body::earth(), 8) });
+    let (_folder, relief) = open(&Sample { filled: |i, j| (i, j) == (10, 20), ..Sample::new(Body::earth(), 8) });
     let surface = Surface::new(&relief, 0);
     let filled = |x: f64, y: f64| {
         let step = 180.0 / 256.0;

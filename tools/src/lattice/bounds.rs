@@ -105,7 +105,7 @@ impl Bounds {
         }
         let row = first(self.south, y, dy).max(0.0);
         let row_end = (last(self.north, y, dy) + 1.0).min(f64::from(lattice.rows()));
-        (column < column_end && row < row_end).then(|| Rectangle {
+        (column < column_end && row < row_end).then_some(Rectangle {
             column: column as i64,
             row: row as u32,
             columns: (column_end - column) as u32,

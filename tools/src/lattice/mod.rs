@@ -140,7 +140,8 @@ impl<'a> Lattice<'a> {
         let Rectangle { column, row, columns, rows } = rectangle;
         let side = if self.plane.over_cells() { OWN / 2 } else { OWN };
         let stride = if self.plane.over_cells() { OWN as usize / 2 } else { TILE_NODES };
-        let (first, last) = (column.div_euclid(i64::from(side)), (column + i64::from(columns) - 1).div_euclid(i64::from(side)));
+        let (first, last) =
+            (column.div_euclid(i64::from(side)), (column + i64::from(columns) - 1).div_euclid(i64::from(side)));
         let tiles_x = i64::from(self.columns() / side);
         let tiles_y = self.rows() / side;
         let mut out = vec![0.0; columns as usize * rows as usize];

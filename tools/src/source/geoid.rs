@@ -96,6 +96,23 @@ pub(crate) fn reference(
     Ok(Reference::Geoid(geoid))
 }
 
+/// Sea level as EGM96 has it, for pictures of files whose heights are above the ellipsoid.
+pub struct SeaLevel(Geoid);
+
+impl SeaLevel {
+    /// EGM96 from PROJ's data; none where it is not installed or cannot be read.
+    #[must_use]
+    pub fn egm96() -> Option<Self> {
+        Geoid::open(&find_egm96().ok()?.to_string_lossy()).ok().map(Self)
+    }
+
+    /// Height of the sea above the ellipsoid at a place, metres.
+    #[must_use]
+    pub fn height_m(&self, lon_deg: f64, lat_deg: f64) -> Option<f64> {
+        self.0.undulation_m(lon_deg, lat_deg)
+    }
+}
+
 /// Looks where PROJ looks.
 fn find_egm96() -> Result<PathBuf, ToolError> {
     let named = ["PROJ_DATA", "PROJ_LIB"].into_iter().filter_map(std::env::var_os);
@@ -170,6 +187,17 @@ impl Geoid {
             }
         }
         Ok(())
+    }
+
+    /// The undulation at a place, metres; none where the grid has none.
+    pub fn undulation_m(&self, lon_deg: f64, lat_deg: f64) -> Option<f64> {
+        let taps = |axis: &Axis, u: f64| {
+            let low = u.floor() as i64;
+            (axis.stored(low).0, axis.stored(low + 1).0, u - u.floor())
+        };
+        let u = taps(&self.columns, self.columns.longitude_position(lon_deg)?);
+        let v = taps(&self.rows, self.rows.position(lat_deg)?);
+        Some(self.bilinear(u, v)).filter(|n| !n.is_nan())
     }
 
     fn bilinear(&self, u: (usize, usize, f64), v: (usize, usize, f64)) -> f64 {

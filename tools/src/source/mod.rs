@@ -24,6 +24,7 @@ use std::sync::OnceLock;
 use relief_formats::body::Body;
 use relief_formats::grid::Grid;
 
+pub use geoid::SeaLevel;
 pub use options::{BodyChoice, Fill, Registration, Resample, SourceOptions, Unit, Vertical};
 pub use record::SourceRecord;
 

@@ -4,7 +4,8 @@ mod sample;
 
 use std::path::{Path, PathBuf};
 
-use relief_formats::file::Relief;
+use relief_formats::file::{FormatError, Relief};
+use relief_formats::tile::{TILE_NODES, TileKey};
 use relief_formats::tiles::Tiles;
 
 use self::sample::{Canvas, Raster};
@@ -12,6 +13,7 @@ use crate::commands::Outcome;
 use crate::error::ToolError;
 use crate::lattice::{Bounds, Lattice, PlaneChoice};
 use crate::picture::{ColourMap, ColourMapInput, PictureInput, RgbImage, Tint, colour_map, shaded_relief, write_png};
+use crate::source::SeaLevel;
 use crate::stdout::print;
 
 /// A picture: hypsometric tints and shading, or a colour map of another plane
@@ -19,7 +21,8 @@ use crate::stdout::print;
 #[command(
     long_about = "A picture: hypsometric tints and shading of the heights, or a colour map of another plane.\n\n\
         Reads the level that matches the size, so that a large file costs no more than a small one. \
-        A globe is drawn equirectangular with north at the top. Voids are hatched grey. An existing PNG \
+        A globe is drawn equirectangular with north at the top, tinted by height above the sea where the \
+        bake added EGM96; of a plane the measured part is drawn. Voids are hatched grey. An existing PNG \
         of that name is replaced.",
     after_long_help = "Examples:\n  relief-bake preview earth.relief -o earth.png --size 2048\n  \
         relief-bake preview earth.relief -o alps.png --window 5,43,17,49\n  \
@@ -59,7 +62,8 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     refuse_other_files(&args.output)?;
     let tiles = Tiles::new(&relief, CACHE_BYTES);
     let finest = Lattice::new(&tiles, 0, args.plane);
-    let bounds = args.window.unwrap_or_else(|| Bounds::whole(&finest)).ordered(finest.wraps())?;
+    let usual = usual_bounds(&tiles, &finest).map_err(in_file)?;
+    let bounds = args.window.unwrap_or(usual).ordered(finest.wraps())?;
     if !finest.wraps() && bounds.samples(&finest).is_none() {
         return Err(ToolError::usage(
             format!("--window: {},{},{},{}", bounds.west, bounds.south, bounds.east, bounds.north),
@@ -72,18 +76,23 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     let supersample = if args.plane.is_height() && size <= LARGEST_SUPERSAMPLED { 2 } else { 1 };
     let canvas = Canvas::new(&relief, bounds, size, supersample)?;
     let level = canvas.level(&relief);
-    let raster = canvas.draw(&Lattice::new(&tiles, level, args.plane)).map_err(in_file)?;
+    let mut raster = canvas.draw(&Lattice::new(&tiles, level, args.plane)).map_err(in_file)?;
+    let sea = args.plane.is_height().then(|| sea_level(&relief)).flatten();
+    if let Some(sea) = &sea {
+        canvas.above_sea(&mut raster, sea);
+    }
     let (image, caption) = match args.plane {
         PlaneChoice::Nodes | PlaneChoice::Mip => heights(&relief, &raster, supersample)?,
         plane => values(plane, &raster)?,
     };
     write_png(&args.output, &image)?;
     print(&format!(
-        "{}: {} x {} pixels, {} of level {level}{caption}\n",
+        "{}: {} x {} pixels, {} of level {level}{caption}{}\n",
         args.output.display(),
         image.width,
         image.height,
         args.plane.name(),
+        if sea.is_some() { " above sea level (EGM96)" } else { "" },
     ))?;
     Ok(Outcome::Good)
 }
@@ -96,8 +105,41 @@ pub fn shaded(input: &Path, tiles: &Tiles<'_>, bounds: Bounds, size: u32) -> Res
     let relief = tiles.relief();
     let canvas = Canvas::new(relief, bounds, size, 2)?;
     let lattice = Lattice::new(tiles, canvas.level(relief), PlaneChoice::Mip);
-    let raster = canvas.draw(&lattice).map_err(ToolError::of_file(input))?;
+    let mut raster = canvas.draw(&lattice).map_err(ToolError::of_file(input))?;
+    if let Some(sea) = sea_level(relief) {
+        canvas.above_sea(&mut raster, &sea);
+    }
     Ok(heights(relief, &raster, 2)?.0)
+}
+
+/// The sea of a file whose heights had EGM96 added.
+fn sea_level(relief: &Relief) -> Option<SeaLevel> {
+    relief.metadata().vertical.contains("EGM96").then(SeaLevel::egm96).flatten()
+}
+
+/// What a picture shows unless it is told: all of a globe, the measured part of a plane.
+fn usual_bounds(tiles: &Tiles<'_>, finest: &Lattice<'_>) -> Result<Bounds, FormatError> {
+    let whole = Bounds::whole(finest);
+    let grid = tiles.relief().grid();
+    if !grid.plane {
+        return Ok(whole);
+    }
+    let filled = tiles.filled(TileKey::new(grid.root_level(), 0, 0))?;
+    let measured = || (0..TILE_NODES * TILE_NODES).filter(|&k| !filled[k]).map(|k| (k % TILE_NODES, k / TILE_NODES));
+    // A coarse node more on each side: the border lies somewhere between two.
+    let span = |of: fn((usize, usize)) -> usize| {
+        let (low, high) = (measured().map(of).min().unwrap_or(0), measured().map(of).max().unwrap_or(TILE_NODES));
+        let share = |node: usize| node as f64 / (TILE_NODES - 1) as f64;
+        (share(low.saturating_sub(1)), share((high + 1).min(TILE_NODES - 1)))
+    };
+    let ((west, east), (south, north)) = (span(|(x, _)| x), span(|(_, y)| y));
+    let (across, up) = (whole.east - whole.west, whole.north - whole.south);
+    Ok(Bounds {
+        west: whole.west + across * west,
+        east: whole.west + across * east,
+        south: whole.south + up * south,
+        north: whole.south + up * north,
+    })
 }
 
 fn heights(relief: &Relief, raster: &Raster, supersample: u32) -> Result<(RgbImage, String), ToolError> {
@@ -130,7 +172,8 @@ fn values(plane: PlaneChoice, raster: &Raster) -> Result<(RgbImage, String), Too
         legend: !flags,
     })
     .map_err(misfit)?;
-    let caption = if flags { ", bright where filled".into() } else { format!(", colours from {low:.2} to {high:.2} m") };
+    let caption =
+        if flags { ", bright where filled".into() } else { format!(", colours from {low:.2} to {high:.2} m") };
     Ok((image, caption))
 }
 

@@ -5,6 +5,7 @@ use relief_formats::file::{FormatError, Relief};
 use relief_formats::geodesy::Ellipsoid;
 
 use crate::error::ToolError;
+use crate::source::SeaLevel;
 use crate::lattice::{Bounds, Lattice, PlaneChoice, Rectangle};
 
 /// Where the samples of a picture lie. They are centres of pixels; row 0 is in the north.
@@ -103,6 +104,21 @@ impl Canvas {
         };
         let wraps = lattice.wraps() && east - west >= 360.0;
         Ok(Raster { width, height, values, cell_east_m, cell_north_m, wraps })
+    }
+}
+
+impl Canvas {
+    /// Lowers heights above the ellipsoid to heights above the sea, so that shores are shores.
+    pub fn above_sea(&self, raster: &mut Raster, sea: &SeaLevel) {
+        let Bounds { west, south, east, north } = self.bounds;
+        let (width, height) = (self.width as usize, self.height as usize);
+        raster.values.par_chunks_mut(width).enumerate().for_each(|(y, line)| {
+            let lat_deg = north - (north - south) * (y as f64 + 0.5) / height as f64;
+            for (x, value) in line.iter_mut().enumerate() {
+                let lon_deg = west + (east - west) * (x as f64 + 0.5) / width as f64;
+                *value -= sea.height_m(lon_deg, lat_deg).unwrap_or(0.0) as f32;
+            }
+        });
     }
 }
 

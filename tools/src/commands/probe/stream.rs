@@ -5,6 +5,7 @@
 //! are sorted by tile so that each tile is decoded once.
 
 use std::io::{self, BufWriter, Read, Write as _};
+use std::ops::Range;
 use std::sync::mpsc::{Receiver, sync_channel};
 
 use rayon::prelude::*;
@@ -17,12 +18,14 @@ use crate::error::ToolError;
 use crate::stdout::settle;
 
 const CHUNK_BYTES: usize = 1 << 18;
-/// Chunks that may wait, and so also a batch: about 400 000 points.
-const CHUNKS: usize = 32;
+/// Chunks that may wait, and so also a batch: about 700 000 points, 200 MB with all that is
+/// known of them. Points all over a map cost a decoding of most of its tiles for each batch.
+const CHUNKS: usize = 64;
 /// No line of two numbers is longer.
 const LINE_BYTES: usize = 1 << 16;
-/// Lines that one task prints.
+/// Lines that one task prints, and tasks whose text is held before it is written.
 const LINES: usize = 4096;
+const PARTS: usize = 32;
 
 /// Answers every line of `input` on standard output.
 ///
@@ -42,13 +45,16 @@ pub fn run(
         let more = take_waiting(&chunks, &mut batch)?;
         let whole = if more { batch.iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1) } else { batch.len() };
         let lines: Vec<&[u8]> = split_lines(&batch[..whole]);
-        let texts = answer(prober, &lines, lines_before).map_err(&in_file)?;
-        for (text, bad) in &texts {
-            if *bad {
-                outcome = Outcome::Found;
-            }
-            if !settle(out.write_all(text.as_bytes()))? {
-                return Ok(outcome);
+        let answers = answer(prober, &lines).map_err(&in_file)?;
+        if !answers.errors.is_empty() {
+            outcome = Outcome::Found;
+        }
+        for start in (0..lines.len()).step_by(LINES * PARTS) {
+            let range = start..lines.len().min(start + LINES * PARTS);
+            for text in answers.print(prober, range, lines_before) {
+                if !settle(out.write_all(text.as_bytes()))? {
+                    return Ok(outcome);
+                }
             }
         }
         if !settle(out.flush())? || !more {
@@ -121,8 +127,14 @@ struct Question {
     answer: PointSample,
 }
 
-/// The answers as texts of [`LINES`] lines each, and whether a line in them was bad.
-fn answer(prober: &Prober<'_>, lines: &[&[u8]], lines_before: u64) -> Result<Vec<(String, bool)>, FormatError> {
+/// All that came of a batch, both in order of lines.
+struct Answers {
+    good: Vec<Question>,
+    errors: Vec<(usize, String)>,
+}
+
+/// Reads the lines, sorts the points by tile and samples each tile once.
+fn answer(prober: &Prober<'_>, lines: &[&[u8]]) -> Result<Answers, FormatError> {
     let unanswered = PointSample { height_m: f64::NAN, filled: false, bounds_m: [f64::NAN; 2] };
     let read = |(line, bytes): (usize, &&[u8])| {
         let text = str::from_utf8(bytes).map_err(|_| "the line is no UTF-8 text".to_owned())?;
@@ -132,15 +144,15 @@ fn answer(prober: &Prober<'_>, lines: &[&[u8]], lines_before: u64) -> Result<Vec
     };
     let parsed: Vec<Result<Question, String>> = lines.par_iter().enumerate().map(read).collect();
     let mut errors = Vec::new();
-    let mut questions = Vec::with_capacity(parsed.len());
+    let mut good = Vec::with_capacity(parsed.len());
     for (line, question) in parsed.into_iter().enumerate() {
         match question {
-            Ok(question) => questions.push(question),
+            Ok(question) => good.push(question),
             Err(error) => errors.push((line, error)),
         }
     }
-    questions.par_sort_unstable_by_key(|q| Entry::sort_key(q.place.tile));
-    questions.par_chunk_by_mut(|a, b| a.place.tile == b.place.tile).try_for_each(|group| {
+    good.par_sort_unstable_by_key(|q| Entry::sort_key(q.place.tile));
+    good.par_chunk_by_mut(|a, b| a.place.tile == b.place.tile).try_for_each(|group| {
         let Some(first) = group.first() else { return Ok(()) };
         let tile = prober.surface.tile(first.place.tile)?;
         for question in group {
@@ -148,44 +160,37 @@ fn answer(prober: &Prober<'_>, lines: &[&[u8]], lines_before: u64) -> Result<Vec
         }
         Ok(())
     })?;
-    questions.par_sort_unstable_by_key(|q| q.line);
-    Ok((0..lines.len().div_ceil(LINES))
-        .into_par_iter()
-        .map(|part| {
-            let range = part * LINES..lines.len().min((part + 1) * LINES);
-            let good = &questions[at_line(&questions, range.start, |q| q.line)..];
-            let bad = &errors[at_line(&errors, range.start, |e| e.0)..];
-            print_lines(prober, range, good, bad, lines_before)
-        })
-        .collect())
+    good.par_sort_unstable_by_key(|q| q.line);
+    Ok(Answers { good, errors })
 }
 
-fn at_line<T>(sorted: &[T], line: usize, of: impl Fn(&T) -> usize) -> usize {
-    sorted.partition_point(|item| of(item) < line)
-}
-
-fn print_lines(
-    prober: &Prober<'_>,
-    range: std::ops::Range<usize>,
-    mut good: &[Question],
-    mut bad: &[(usize, String)],
-    lines_before: u64,
-) -> (String, bool) {
-    let mut text = String::with_capacity(200 * range.len());
-    let mut any_bad = false;
-    for line in range {
-        if let Some((question, rest)) = good.split_first().filter(|(q, _)| q.line == line) {
-            prober.write_json(&mut text, question.point, &question.answer);
-            good = rest;
-        } else if let Some(((_, error), rest)) = bad.split_first() {
-            let number = lines_before + line as u64 + 1;
-            text.push_str(&serde_json::json!({ "line": number, "error": error }).to_string());
-            any_bad = true;
-            bad = rest;
-        }
-        text.push('\n');
+impl Answers {
+    /// The text of some lines, in parts of [`LINES`].
+    fn print(&self, prober: &Prober<'_>, lines: Range<usize>, lines_before: u64) -> Vec<String> {
+        let starts: Vec<usize> = lines.clone().step_by(LINES).collect();
+        starts
+            .into_par_iter()
+            .map(|start| self.print_part(prober, start..lines.end.min(start + LINES), lines_before))
+            .collect()
     }
-    (text, any_bad)
+
+    fn print_part(&self, prober: &Prober<'_>, lines: Range<usize>, lines_before: u64) -> String {
+        let mut good = &self.good[self.good.partition_point(|q| q.line < lines.start)..];
+        let mut errors = &self.errors[self.errors.partition_point(|e| e.0 < lines.start)..];
+        let mut text = String::with_capacity(200 * lines.len());
+        for line in lines {
+            if let Some((question, rest)) = good.split_first().filter(|(q, _)| q.line == line) {
+                prober.write_json(&mut text, question.point, &question.answer);
+                good = rest;
+            } else if let Some(((_, error), rest)) = errors.split_first() {
+                let number = lines_before + line as u64 + 1;
+                text.push_str(&serde_json::json!({ "line": number, "error": error }).to_string());
+                errors = rest;
+            }
+            text.push('\n');
+        }
+        text
+    }
 }
 
 #[cfg(test)]
