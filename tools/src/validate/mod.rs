@@ -21,6 +21,7 @@ mod container;
 mod derived;
 pub mod finding;
 mod index;
+mod inputs;
 mod map;
 mod mesh;
 mod planes;
@@ -37,8 +38,8 @@ use relief_formats::tiles::Tiles;
 
 pub use check::{Check, Level, Severity};
 pub use finding::{Finding, Findings, Place};
+pub use inputs::Against;
 pub use report::{Report, SourceDifference};
-pub use source::Against;
 
 use crate::error::ToolError;
 use progress::Progress;
