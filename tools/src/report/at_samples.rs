@@ -13,6 +13,8 @@ use crate::source::{Centre, NodeWindow, SourceSet};
 
 /// Rows that are read at once.
 const ROWS: usize = 64;
+/// Corners with less weight do not count: a sample on a node is that node.
+const WEIGHTLESS: f64 = 1e-9;
 /// Latitudes this close to a pole are the pole.
 const POLE_SLACK_DEG: f64 = 1e-6;
 
@@ -75,7 +77,9 @@ impl Samples {
                 for (place, height_m) in *group {
                     let corner = usize::from(place.row) * TILE_NODES + usize::from(place.column);
                     let corners = [corner, corner + 1, corner + TILE_NODES, corner + TILE_NODES + 1];
-                    if corners.iter().any(|&k| filled[k]) {
+                    let weights = [(1.0 - place.u) * (1.0 - place.v), place.u * (1.0 - place.v)];
+                    let weights = [weights[0], weights[1], (1.0 - place.u) * place.v, place.u * place.v];
+                    if corners.iter().zip(weights).any(|(&k, weight)| weight > WEIGHTLESS && filled[k]) {
                         continue;
                     }
                     let [sw, se, nw, ne] = corners.map(|k| f64::from(nodes[k]));

@@ -23,11 +23,11 @@ svg.plot{display:block;width:100%;height:auto;max-width:38rem}\
 .cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(12rem,1fr));gap:.8rem;margin:1.4rem 0}\
 .card{background:var(--card);border-radius:.6rem;padding:.8rem 1rem}\
 .card b{display:block;font-size:1.3rem;line-height:1.3;color:var(--best)}.card span{font-size:.92rem;color:var(--soft)}\
-.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-nums;white-space:nowrap}\
-th,td{padding:.3rem .7rem;text-align:right;border-bottom:1px solid var(--line)}\
+.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-nums}td{white-space:nowrap}\
+th,td{padding:.3rem .6rem;text-align:right;border-bottom:1px solid var(--line)}\
 th{font-weight:600;vertical-align:bottom}th small{font-weight:400}\
 th:first-child,td:first-child{text-align:left;padding-left:.3rem}\
-td.words{text-align:left}tr.best td{background:var(--bestpaper)}tr.best td:first-child{color:var(--best);font-weight:600}\
+tr.best td{background:var(--bestpaper)}tr.best td:first-child{color:var(--best);font-weight:600}\
 a{color:inherit}code{font-size:.92em}";
 
 /// The whole page; nothing outside it is loaded.
@@ -120,6 +120,14 @@ fn cards(report: &Report) -> String {
         ));
     }
     format!("<div class=\"cards\">\n{}</div>\n", cards.concat())
+}
+
+fn nth(n: usize) -> String {
+    match n {
+        2 => "2nd".into(),
+        3 => "3rd".into(),
+        n => format!("{n}th"),
+    }
 }
 
 /// The step that a bake takes.
@@ -238,8 +246,9 @@ fn speeds(report: &Report, figure: &impl Fn(&str, &str) -> String) -> String {
         [("step", "m"), ("bake", "s"), ("bake", "million nodes/s"), ("decode", "ms"), ("decode", "million nodes/s")];
     format!(
         "<h2>Speed</h2>\n<p>A bake reads, resamples, derives the pyramids, bounds and deviations, encodes and writes; \
-         decoding gives all heights of level 0. Coarser steps leave less to code, so both become a little \
-         faster. The marked row is the default of a bake.</p>\n{}{}",
+         decoding gives all heights of level 0, with the coarser levels that they rest on. Both with {} threads. The \
+         marked row is the default of a bake.</p>\n{}{}",
+        report.threads,
         figure("speed.svg", "Up is better; the vertical axis is logarithmic."),
         table::html(&columns, &rows),
     )
@@ -307,7 +316,7 @@ fn method(report: &Report) -> String {
     let compared = report.steps.first().map_or((0, 0), |m| (m.at_nodes.count, m.at_samples.count));
     let every = match report.every {
         1 => "every sample of the source".to_owned(),
-        n => format!("the source’s samples in every {n}th row and column (so the largest error may be missed)"),
+        n => format!("the source’s samples in every {} row and column (so the largest error may be missed)", nth(n)),
     };
     format!(
         "<h2>How it was measured</h2>\n<p>{noise}</p>\n<p>Errors are over {} nodes and {} samples: {every} that has \
