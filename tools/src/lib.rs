@@ -9,6 +9,7 @@ pub mod lattice;
 pub mod junit;
 pub mod picture;
 pub mod publish;
+pub mod report;
 pub mod resample;
 pub mod source;
 pub mod staging;

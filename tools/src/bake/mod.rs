@@ -4,7 +4,7 @@ mod compose;
 mod handoff;
 mod journal;
 mod plan;
-mod progress;
+pub(crate) mod progress;
 mod record;
 mod run;
 mod stage;

@@ -8,9 +8,11 @@ use clap::ValueEnum;
 use relief_formats::mesh::MeshLayout;
 
 use super::Outcome;
+use super::source_args::SourceArgs;
+pub(crate) use super::source_args::parse_bytes;
 use crate::bake::{BakeOptions, bake};
 use crate::error::ToolError;
-use crate::source::{BodyChoice, Fill, Registration, Resample, SourceOptions, Unit, Vertical};
+use crate::source::Resample;
 
 /// Bake elevation rasters into one .relief file.
 ///
@@ -33,54 +35,20 @@ pub struct Args {
     /// Map exponent 8..20: 2^(m+1) x 2^m nodes; default: no coarser than the finest source.
     #[arg(long, value_name = "M")]
     m: Option<u32>,
-    /// earth, moon, mars, semi-axes A,B in metres, or plane; default: from the source's CRS.
-    #[arg(long, value_parser = parse_body)]
-    body: Option<BodyChoice>,
     /// Height step in metres, a power of two; default: 1 for integer metres (lossless), else 2^-4.
     #[arg(long, value_name = "METRES", conflicts_with = "max_error", value_parser = parse_positive)]
     step: Option<f64>,
     /// Largest quantisation error in metres; the step is twice that, rounded down to a power of two.
     #[arg(long, value_name = "METRES", value_parser = parse_positive)]
     max_error: Option<f64>,
-    /// What heights are measured from: ellipsoid, egm96 (added), a geoid grid PATH.gtx (added), as-given.
-    #[arg(long, value_parser = parse_vertical)]
-    vertical: Option<Vertical>,
     /// Kernel; auto: area average where the source is finer than the grid, else cubic.
     #[arg(long, value_enum, default_value = "auto")]
     resample: ResampleArg,
-    /// Stored value that means void; replaces the file's own tag.
-    #[arg(long, value_name = "V", allow_negative_numbers = true)]
-    nodata: Option<f64>,
-    /// Nodes without data: none (0 m, marked), interpolate, or a height in metres.
-    #[arg(long, value_parser = parse_fill, default_value = "none", allow_negative_numbers = true)]
-    fill: Fill,
-    /// Height units per stored unit; replaces the file's own tag.
-    #[arg(long, allow_negative_numbers = true)]
-    scale: Option<f64>,
-    /// Height of the stored zero; replaces the file's own tag.
-    #[arg(long, allow_negative_numbers = true)]
-    offset: Option<f64>,
-    /// Unit of the heights; replaces the file's own tag.
-    #[arg(long, value_enum)]
-    unit: Option<UnitArg>,
-    /// West, south, east, north in degrees, for inputs without georeference.
-    #[arg(long, value_name = "W,S,E,N", value_parser = parse_bounds, allow_hyphen_values = true)]
-    bounds: Option<[f64; 4]>,
-    /// What the bounds are: edges of cells, or the outermost samples.
-    #[arg(long, value_enum)]
-    registration: Option<RegistrationArg>,
-    /// EXR channel.
-    #[arg(long, value_name = "NAME")]
-    channel: Option<String>,
+    #[command(flatten)]
+    source: SourceArgs,
     /// Layout of the patch mesh.
     #[arg(long, value_enum, default_value = "aligned")]
     layout: LayoutArg,
-    /// Threads; default: all cores. The bytes do not depend on it.
-    #[arg(long)]
-    threads: Option<usize>,
-    /// Memory to stay within, such as 512MiB or 2GiB.
-    #[arg(long, value_name = "BYTES", default_value = "1GiB", value_parser = parse_bytes)]
-    memory: u64,
     /// Go on from the work file FILE.relief.part of an interrupted bake with the same options.
     #[arg(long)]
     resume: bool,
@@ -103,19 +71,6 @@ enum ResampleArg {
     Cubic,
     Lanczos,
     Average,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum UnitArg {
-    M,
-    Ft,
-    UsFt,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum RegistrationArg {
-    Cell,
-    Node,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -187,43 +142,18 @@ impl Args {
             (None, Some(error)) => Some((2.0 * error).log2().floor()),
             (None, None) => None,
         };
-        let threads = self.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into));
-        if threads == 0 {
-            return Err(ToolError::usage("--threads 0", "at least one thread", "leave --threads out to use all cores"));
-        }
         Ok(BakeOptions {
             output: self.output.clone(),
             m: self.m,
             step_exponent: step_exponent.map(|k| k.clamp(-128.0, 127.0) as i8),
-            source: SourceOptions {
-                nodata: self.nodata,
-                scale: self.scale,
-                offset: self.offset,
-                unit: self.unit.map(|u| match u {
-                    UnitArg::M => Unit::M,
-                    UnitArg::Ft => Unit::Ft,
-                    UnitArg::UsFt => Unit::UsFt,
-                }),
-                bounds: self.bounds,
-                registration: self.registration.map(|r| match r {
-                    RegistrationArg::Cell => Registration::Cell,
-                    RegistrationArg::Node => Registration::Node,
-                }),
-                channel: self.channel.clone(),
-                vertical: self.vertical.clone(),
-                body: self.body,
-                resample: match self.resample {
-                    ResampleArg::Auto => Resample::Auto,
-                    ResampleArg::Nearest => Resample::Nearest,
-                    ResampleArg::Bilinear => Resample::Bilinear,
-                    ResampleArg::Cubic => Resample::Cubic,
-                    ResampleArg::Lanczos => Resample::Lanczos,
-                    ResampleArg::Average => Resample::Average,
-                },
-                fill: self.fill,
-                memory_bytes: self.memory,
-                threads,
-            },
+            source: self.source.options(match self.resample {
+                ResampleArg::Auto => Resample::Auto,
+                ResampleArg::Nearest => Resample::Nearest,
+                ResampleArg::Bilinear => Resample::Bilinear,
+                ResampleArg::Cubic => Resample::Cubic,
+                ResampleArg::Lanczos => Resample::Lanczos,
+                ResampleArg::Average => Resample::Average,
+            })?,
             layout: match self.layout {
                 LayoutArg::Aligned => MeshLayout::Aligned,
                 LayoutArg::Paper => MeshLayout::Paper,
@@ -239,94 +169,5 @@ fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(v) if v > 0.0 && v.is_finite() => Ok(v),
         _ => Err("a positive number of metres is wanted".into()),
-    }
-}
-
-fn parse_body(text: &str) -> Result<BodyChoice, String> {
-    Ok(match text {
-        "earth" => BodyChoice::Earth,
-        "moon" => BodyChoice::Moon,
-        "mars" => BodyChoice::Mars,
-        "plane" => BodyChoice::Plane,
-        axes => match parse_numbers::<2>(axes) {
-            Some([a, b]) if a > 0.0 && b > 0.0 => BodyChoice::Axes(a, b),
-            _ => return Err("earth, moon, mars, plane, or two semi-axes A,B in metres".into()),
-        },
-    })
-}
-
-fn parse_vertical(text: &str) -> Result<Vertical, String> {
-    Ok(match text {
-        "ellipsoid" => Vertical::Ellipsoid,
-        "egm96" => Vertical::Egm96,
-        "as-given" => Vertical::AsGiven,
-        path if path.contains('.') => Vertical::Gtx(path.into()),
-        _ => return Err("ellipsoid, egm96, as-given, or the path of a geoid grid such as PATH.gtx".into()),
-    })
-}
-
-fn parse_fill(text: &str) -> Result<Fill, String> {
-    Ok(match text {
-        "none" => Fill::None,
-        "interpolate" => Fill::Interpolate,
-        metres => match metres.parse::<f64>() {
-            Ok(v) if v.is_finite() => Fill::Constant(v),
-            _ => return Err("none, interpolate, or a height in metres".into()),
-        },
-    })
-}
-
-fn parse_bounds(text: &str) -> Result<[f64; 4], String> {
-    parse_numbers(text).ok_or_else(|| "four numbers W,S,E,N".into())
-}
-
-fn parse_numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|t| t.trim().parse().ok().filter(|v: &f64| v.is_finite())).collect();
-    numbers?.try_into().ok()
-}
-
-/// Bytes with an optional binary or decimal suffix.
-pub(crate) fn parse_bytes(text: &str) -> Result<u64, String> {
-    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    let factor: f64 = match text[digits.len()..].to_ascii_lowercase().as_str() {
-        "" | "b" => 1.0,
-        "k" | "kib" => 1024.0,
-        "m" | "mib" => 1024.0 * 1024.0,
-        "g" | "gib" => 1024.0 * 1024.0 * 1024.0,
-        "kb" => 1e3,
-        "mb" => 1e6,
-        "gb" => 1e9,
-        _ => return Err("bytes, or a number with KiB, MiB, GiB, kB, MB or GB".into()),
-    };
-    match digits.trim().parse::<f64>() {
-        Ok(v) if v >= 1.0 && v * factor < 1e18 => Ok((v * factor) as u64),
-        _ => Err("a positive number of bytes is wanted".into()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_with_suffixes() {
-        assert_eq!(parse_bytes("1GiB"), Ok(1 << 30));
-        assert_eq!(parse_bytes("1.5MB"), Ok(1_500_000));
-        assert_eq!(parse_bytes("4096"), Ok(4096));
-        for bad in ["", "-1", "0", "12XB", "GiB", "nan"] {
-            assert!(parse_bytes(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn words_of_the_command_line() {
-        assert_eq!(parse_body("6378137,6356752"), Ok(BodyChoice::Axes(6_378_137.0, 6_356_752.0)));
-        assert!(parse_body("pluto").is_err());
-        assert_eq!(parse_fill("-3.5"), Ok(Fill::Constant(-3.5)));
-        assert!(parse_fill("nan").is_err());
-        assert_eq!(parse_vertical("geoid/x.gtx"), Ok(Vertical::Gtx("geoid/x.gtx".into())));
-        assert!(parse_vertical("msl").is_err());
-        assert_eq!(parse_bounds("-180,-90,180,90"), Ok([-180.0, -90.0, 180.0, 90.0]));
-        assert!(parse_bounds("1,2,3").is_err());
     }
 }

@@ -7,6 +7,7 @@ pub mod inspect;
 pub mod preview;
 pub mod probe;
 pub mod report;
+pub mod source_args;
 pub mod validate;
 
 /// How a command that could run ended.

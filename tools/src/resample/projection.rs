@@ -115,6 +115,29 @@ impl Projection {
         })
     }
 
+    /// Longitude and latitude, degrees, of pixel coordinates (corner of the first pixel at 0, 0);
+    /// none where the CRS does not reach.
+    ///
+    /// # Errors
+    /// As [`Projection::new`].
+    pub fn lon_lats(&self, pixels: &[[f64; 2]]) -> Result<Vec<Option<[f64; 2]>>, ToolError> {
+        let back = match &self.systems {
+            Some((nodes, own)) => Some(self.connect(own, nodes)?),
+            None => None,
+        };
+        let transform = invert(&self.inverse);
+        let found = pixels.iter().map(|&[c, r]| {
+            let [x, y] = forward(&transform, c, r);
+            match &back {
+                Some(back) => one(back, x, y),
+                None => Some([x, y]),
+            }
+        });
+        let found = found.collect();
+        quiet::drain();
+        Ok(found)
+    }
+
     /// This thread's transformer.
     ///
     /// # Errors

@@ -155,10 +155,6 @@ impl Geoid {
     /// [`ToolError::Source`] where the geoid has no value for a node that has data.
     pub fn add(&self, grid: &Grid, window: &NodeWindow, heights_m: &mut [f64]) -> Result<(), ToolError> {
         let lons = (0..window.nx as i64).map(|i| lon_deg(grid, window.level, window.x0 + i));
-        let taps = |axis: &Axis, u: f64| {
-            let low = u.floor() as i64;
-            (axis.stored(low).0, axis.stored(low + 1).0, u - u.floor())
-        };
         let us: Vec<_> = lons.map(|lon| self.columns.longitude_position(lon).map(|u| taps(&self.columns, u))).collect();
         // A pole has one undulation whatever the column.
         let pole = self.columns.longitude_position(-180.0).map(|u| taps(&self.columns, u));
@@ -189,15 +185,12 @@ impl Geoid {
         Ok(())
     }
 
-    /// The undulation at a place, metres; none where the grid has none.
+    /// The undulation at a longitude and latitude, metres; none outside the grid and at its voids.
     pub fn undulation_m(&self, lon_deg: f64, lat_deg: f64) -> Option<f64> {
-        let taps = |axis: &Axis, u: f64| {
-            let low = u.floor() as i64;
-            (axis.stored(low).0, axis.stored(low + 1).0, u - u.floor())
-        };
+        let lon_deg = if lat_deg.abs() >= 90.0 { -180.0 } else { lon_deg };
         let u = taps(&self.columns, self.columns.longitude_position(lon_deg)?);
         let v = taps(&self.rows, self.rows.position(lat_deg)?);
-        Some(self.bilinear(u, v)).filter(|n| !n.is_nan())
+        Some(self.bilinear(u, v)).filter(|undulation_m| undulation_m.is_finite())
     }
 
     fn bilinear(&self, u: (usize, usize, f64), v: (usize, usize, f64)) -> f64 {
@@ -208,6 +201,12 @@ impl Geoid {
         };
         if v.2 == 0.0 { line(v.0) } else { (1.0 - v.2) * line(v.0) + v.2 * line(v.1) }
     }
+}
+
+/// The samples on both sides of a position, and the share of the way to the second.
+fn taps(axis: &Axis, u: f64) -> (usize, usize, f64) {
+    let low = u.floor() as i64;
+    (axis.stored(low).0, axis.stored(low + 1).0, u - u.floor())
 }
 
 impl Reference {

@@ -1,5 +1,6 @@
 //! Elevation sources: what the user names, opened, understood and sampled onto nodes.
 
+mod centres;
 pub(crate) mod crs;
 mod exr_reader;
 mod fill;
@@ -24,6 +25,7 @@ use std::sync::OnceLock;
 use relief_formats::body::Body;
 use relief_formats::grid::Grid;
 
+pub use centres::Centre;
 pub use geoid::SeaLevel;
 pub use options::{BodyChoice, Fill, Registration, Resample, SourceOptions, Unit, Vertical};
 pub use record::SourceRecord;
