@@ -90,7 +90,8 @@ impl<'a> Question<'a> {
                 let off_m = (expected.low_m[n] - height_m).max(height_m - expected.high_m[n]);
                 agreement.worst_m = agreement.worst_m.max(off_m);
                 // A NaN on either side is off too.
-                let within = off_m <= tolerance_m + self.relative * expected.high_m[n].abs();
+                let size_m = expected.high_m[n].abs().max(expected.low_m[n].abs());
+                let within = off_m <= tolerance_m + self.relative * size_m;
                 agreement.off += usize::from(!within);
             }
         }
