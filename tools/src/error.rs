@@ -28,7 +28,10 @@ pub enum ToolError {
         remedy: String,
     },
     /// The disk or the operating system said no.
-    #[error("{action} {path}: {error}\n  remedy: {remedy}", path = path.display())]
+    #[error(
+        "{action} {path}: {error}\n  rule: what is read can be read whole, what is written finds room\n  remedy: {remedy}",
+        path = path.display()
+    )]
     Io {
         /// What was tried.
         action: &'static str,

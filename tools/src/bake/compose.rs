@@ -203,9 +203,10 @@ impl<'a> Composer<'a> {
             let corners = [(w, s), (e, s), (w, n), (e, n)];
             let fill = corners.iter().any(|&(x, y)| above.filled.at(x, y));
             let even = x & 1 == 0 && y & 1 == 0;
-            filled.data_mut()[k] = fill;
-            q.data_mut()[k] = if fill && !even && origin[k] == Origin::Void && self.inside(level, x, y) {
-                filled.data_mut()[k] = true;
+            let void = !even && origin[k] == Origin::Void;
+            // A void is marked even where all around it is measured.
+            filled.data_mut()[k] = fill || void;
+            q.data_mut()[k] = if void && self.inside(level, x, y) {
                 self.void_q
             } else {
                 // With one or both indices even, corners repeat and the sum is 4 or 2 times theirs:

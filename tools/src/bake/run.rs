@@ -297,17 +297,20 @@ fn zstd_version() -> String {
     format!("{}.{}.{}", n / 10_000, n / 100 % 100, n % 100)
 }
 
-/// Hashes everything that decides the file's bytes.
+/// Hashes everything that decides the file's bytes; threads and memory do not.
 fn identity(metadata: &Metadata, plan: &Plan, options: &BakeOptions) -> Result<[u8; 32], ToolError> {
+    let source = SourceOptions { threads: 0, memory_bytes: 0, ..options.source.clone() };
     let mut hasher = blake3::Hasher::new();
     hasher.update(&metadata.encode().map_err(ToolError::of_file(&options.output))?);
-    hasher.update(format!("{:?} {} {:?} {:?}", plan.grid, plan.step_exponent, options.layout, options.source).as_bytes());
+    hasher.update(format!("{:?} {} {:?} {:?}", plan.grid, plan.step_exponent, options.layout, source).as_bytes());
     Ok(*hasher.finalize().as_bytes())
 }
 
 fn io_error(action: &'static str, path: &Path, error: std::io::Error) -> ToolError {
     let remedy = match error.kind() {
-        std::io::ErrorKind::StorageFull => "free some space, or write to another disk; --resume goes on from a kept work file",
+        std::io::ErrorKind::StorageFull | std::io::ErrorKind::QuotaExceeded | std::io::ErrorKind::FileTooLarge => {
+            "free some space, or write to another disk"
+        }
         std::io::ErrorKind::PermissionDenied | std::io::ErrorKind::ReadOnlyFilesystem => "write to a folder that you may write to",
         _ => "check the path and the disk",
     };

@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use relief_formats::mesh::MeshLayout;
 
 use super::Outcome;
-use super::source_args::SourceArgs;
+use super::source_args::{SourceArgs, refusal};
 pub(crate) use super::source_args::parse_bytes;
 use crate::bake::{BakeOptions, bake};
 use crate::error::ToolError;
@@ -168,6 +168,6 @@ impl Args {
 fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(v) if v > 0.0 && v.is_finite() => Ok(v),
-        _ => Err("a positive number of metres is wanted".into()),
+        _ => Err(refusal("it is a positive number of metres", "give one, such as 0.5")),
     }
 }

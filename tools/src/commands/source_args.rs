@@ -94,6 +94,11 @@ impl SourceArgs {
     }
 }
 
+/// What clap prints after the value that it names.
+pub(crate) fn refusal(rule: &str, remedy: &str) -> String {
+    format!("\n  rule: {rule}\n  remedy: {remedy}")
+}
+
 fn parse_body(text: &str) -> Result<BodyChoice, String> {
     Ok(match text {
         "earth" => BodyChoice::Earth,
@@ -102,7 +107,10 @@ fn parse_body(text: &str) -> Result<BodyChoice, String> {
         "plane" => BodyChoice::Plane,
         axes => match parse_numbers::<2>(axes) {
             Some([a, b]) if a > 0.0 && b > 0.0 => BodyChoice::Axes(a, b),
-            _ => return Err("earth, moon, mars, plane, or two semi-axes A,B in metres".into()),
+            _ => {
+                let rule = "a body is earth, moon, mars, plane, or two semi-axes A,B in metres";
+                return Err(refusal(rule, "name one, such as --body moon or --body 6051800,6051800"));
+            }
         },
     })
 }
@@ -113,7 +121,10 @@ fn parse_vertical(text: &str) -> Result<Vertical, String> {
         "egm96" => Vertical::Egm96,
         "as-given" => Vertical::AsGiven,
         path if path.contains('.') => Vertical::Gtx(path.into()),
-        _ => return Err("ellipsoid, egm96, as-given, or the path of a geoid grid such as PATH.gtx".into()),
+        _ => {
+            let rule = "it is ellipsoid, egm96, as-given, or the path of a geoid grid such as PATH.gtx";
+            return Err(refusal(rule, "say --vertical egm96 for heights above sea level"));
+        }
     })
 }
 
@@ -123,13 +134,14 @@ fn parse_fill(text: &str) -> Result<Fill, String> {
         "interpolate" => Fill::Interpolate,
         metres => match metres.parse::<f64>() {
             Ok(v) if v.is_finite() => Fill::Constant(v),
-            _ => return Err("none, interpolate, or a height in metres".into()),
+            _ => return Err(refusal("a fill is none, interpolate, or a height in metres", "say --fill none")),
         },
     })
 }
 
 fn parse_bounds(text: &str) -> Result<[f64; 4], String> {
-    parse_numbers(text).ok_or_else(|| "four numbers W,S,E,N".into())
+    let remedy = "give them as in --bounds=-180,-90,180,90";
+    parse_numbers(text).ok_or_else(|| refusal("bounds are four finite numbers of degrees W,S,E,N", remedy))
 }
 
 fn parse_numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
@@ -148,11 +160,11 @@ pub(crate) fn parse_bytes(text: &str) -> Result<u64, String> {
         "kb" => 1e3,
         "mb" => 1e6,
         "gb" => 1e9,
-        _ => return Err("bytes, or a number with KiB, MiB, GiB, kB, MB or GB".into()),
+        _ => return Err(refusal("bytes, or a number with KiB, MiB, GiB, kB, MB or GB", "write it as 512MiB")),
     };
     match digits.trim().parse::<f64>() {
         Ok(v) if v >= 1.0 && v * factor < 1e18 => Ok((v * factor) as u64),
-        _ => Err("a positive number of bytes is wanted".into()),
+        _ => Err(refusal("it is a positive number of bytes", "write it as 512MiB")),
     }
 }
 

@@ -2,6 +2,8 @@
 #![allow(dead_code, unused_imports, reason = "each test program uses a part of this")]
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
+pub mod oracle;
+pub mod rasters;
 #[path = "../../../tests/support/sample_file.rs"]
 pub mod sample_file;
 
@@ -12,6 +14,11 @@ use std::process::{Command, Output, Stdio};
 pub use relief_formats::body::Body;
 pub use sample_file::{Sample, wavy_q};
 pub use serde_json::Value;
+
+/// A file of the test data.
+pub fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data").join(name)
+}
 
 /// A temporary folder with files in it.
 pub struct Folder(tempfile::TempDir);
