@@ -136,11 +136,12 @@ impl Sample {
 }
 
 /// The node of the map that a padded index stands for: wrapped at the seam, mirrored over the
-/// poles; on a plane the edge repeated.
+/// poles; a plane is mirrored at its edges, where node W is node W - 1 again.
 fn on_map(grid: Grid, x: i32, y: i32) -> (u32, u32) {
     let (width, height) = (grid.width(0) as i32, grid.height(0) as i32);
     if grid.plane {
-        return (x.clamp(0, width - 1) as u32, y.clamp(0, height - 1) as u32);
+        let mirrored = |v: i32, end: i32| (end - (end - v.abs()).abs()).min(end - 1) as u32;
+        return (mirrored(x, width), mirrored(y, height));
     }
     let (x, y) = match y {
         y if y < 0 => (x + width / 2, -y),

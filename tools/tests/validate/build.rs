@@ -85,12 +85,12 @@ impl World {
         all.filter(|&key| self.has(key)).collect()
     }
 
-    /// Wrapped, carried over the poles, or held to the edge.
+    /// Wrapped, carried over the poles, or mirrored at the edge.
     fn home(&self, level: u32, x: i32, y: i32) -> (i32, i32) {
         let grid = self.grid();
         let (w, h) = (grid.width(level) as i32, grid.height(level) as i32);
         if grid.plane {
-            return (x.clamp(0, w), y.clamp(0, h));
+            return (w - (w - x.abs()).abs(), h - (h - y.abs()).abs());
         }
         match y {
             y if y < 0 => ((x + w / 2).rem_euclid(w), -y),
