@@ -40,10 +40,12 @@ pub struct Restored {
 impl Journal {
     /// Starts a new work file, replacing any.
     pub fn create(path: &Path, identity: &[u8; 32]) -> io::Result<Self> {
-        let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(true).open(path)?;
-        file.write_all(MAGIC)?;
-        file.write_all(identity)?;
-        Ok(Self { path: path.to_path_buf(), file, end: HEAD_BYTES, keep: false })
+        let file = OpenOptions::new().read(true).write(true).create(true).truncate(true).open(path)?;
+        // From here on an error takes the file away again.
+        let mut journal = Self { path: path.to_path_buf(), file, end: HEAD_BYTES, keep: false };
+        journal.file.write_all(MAGIC)?;
+        journal.file.write_all(identity)?;
+        Ok(journal)
     }
 
     /// Opens a work file and hands each whole record to `visit`. `None` when there is no work
