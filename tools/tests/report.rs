@@ -169,6 +169,7 @@ fn a_plane_has_no_kernels_and_integers_lose_nothing() {
     }
     let page = std::fs::read_to_string(out.join("index.html")).unwrap();
     assert!(page.contains("nothing is resampled") && page.contains("loses nothing"));
+    assert_eq!(unbalanced(&page), None);
     assert!(!out.join("kernels.svg").exists());
 }
 

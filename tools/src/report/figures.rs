@@ -16,6 +16,12 @@ pub struct Figure {
     pub svg: Svg,
 }
 
+/// Files of all the plots that a report may have.
+pub const NAMES: [&str; 5] = ["bytes-against-error.svg", "kernels.svg", "speed.svg", "planes.svg", "codecs.svg"];
+
+/// What a plot takes from a case.
+type Figured = fn(&Measured) -> f64;
+
 const WIDTH: f64 = 480.0;
 const LEFT: f64 = 62.0;
 const RIGHT: f64 = 14.0;
@@ -23,18 +29,14 @@ const RIGHT: f64 = 14.0;
 /// All plots, in the order of the page; those without data are left out.
 #[must_use]
 pub fn all(report: &Report) -> Vec<Figure> {
-    let mut figures = vec![
-        Figure { file: "bytes-against-error.svg", svg: bytes_against_error(report) },
-        Figure { file: "speed.svg", svg: speed(report) },
-        Figure { file: "planes.svg", svg: planes(report) },
+    let drawn = [
+        Some(bytes_against_error(report)),
+        (!report.kernels.is_empty()).then(|| kernels(report)),
+        Some(speed(report)),
+        Some(planes(report)),
+        (!report.codecs.is_empty()).then(|| codecs(report)),
     ];
-    if !report.kernels.is_empty() {
-        figures.insert(1, Figure { file: "kernels.svg", svg: kernels(report) });
-    }
-    if !report.codecs.is_empty() {
-        figures.push(Figure { file: "codecs.svg", svg: codecs(report) });
-    }
-    figures
+    NAMES.into_iter().zip(drawn).filter_map(|(file, svg)| Some(Figure { file, svg: svg? })).collect()
 }
 
 fn bytes_against_error(report: &Report) -> Svg {
@@ -88,7 +90,7 @@ fn rows(svg: &mut Svg, y: &Log, y_name: &str, (top, bottom): (f64, f64)) {
 fn kernels(report: &Report) -> Svg {
     let mut svg = Svg::new(WIDTH, 318.0, "RMS and largest error at the sources' own samples, for each kernel");
     let best = choice::kernel(&report.kernels);
-    let panels: [(&str, &str, fn(&Measured) -> f64); 2] = [
+    let panels: [(&str, &str, Figured); 2] = [
         ("RMS error at the samples, metres", "a", |m| m.at_samples.rms_m()),
         ("largest error at the samples, metres", "b", |m| m.at_samples.max_m),
     ];
@@ -130,7 +132,7 @@ fn bar_panel(svg: &mut Svg, top: f64, title: &str, left: f64, bars: &[Bar], show
 fn speed(report: &Report) -> Svg {
     let mut svg = Svg::new(WIDTH, 330.0, "Nodes encoded and decoded in a second, for each step");
     let (top, bottom) = (16.0, 278.0);
-    let series: [(&str, &str, &str, fn(&Measured) -> f64); 2] = [
+    let series: [(&str, &str, &str, Figured); 2] = [
         ("decoding all of level 0", "b", "lb", |m| m.decode_nodes_per_s() / 1e6),
         ("baking, everything included", "a", "la", |m| m.encode_nodes_per_s() / 1e6),
     ];

@@ -57,11 +57,11 @@ impl Folder {
         self.scratch.as_ref().map_or(self.path.as_path(), TempDir::path).join(name)
     }
 
-    /// Publishes the files of a finished report.
+    /// Publishes the files of a finished report; those named in `stale` are an older one's and go.
     ///
     /// # Errors
     /// What the system answered.
-    pub fn publish(mut self, files: &[(&str, String)]) -> Result<(), ToolError> {
+    pub fn publish(mut self, files: &[(&str, String)], stale: &[&str]) -> Result<(), ToolError> {
         if let Some(scratch) = self.scratch.take() {
             scratch.close().map_err(|error| failed("cannot remove a folder in", &self.path, error))?;
         }
@@ -77,6 +77,14 @@ impl Folder {
             }
         }
         self.made = false;
+        for path in stale.iter().map(|name| self.path.join(name)) {
+            match std::fs::remove_file(&path) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                    return Err(failed("cannot remove", &path, error));
+                }
+                _ => {}
+            }
+        }
         Ok(())
     }
 }
@@ -120,17 +128,20 @@ mod tests {
         // Neither do files of which a later one cannot be written.
         std::fs::remove_dir(&path).unwrap();
         let files = [("a.csv", String::new()), ("none/b.svg", String::new())];
-        Folder::open(&path, false).unwrap().publish(&files).unwrap_err();
+        Folder::open(&path, false).unwrap().publish(&files, &[]).unwrap_err();
         assert!(!path.exists());
     }
 
     #[test]
     fn what_is_there_is_replaced_only_when_asked() {
         let parent = tempfile::tempdir().unwrap();
-        std::fs::write(parent.path().join("report.csv"), "old").unwrap();
+        for name in ["report.csv", "old.svg"] {
+            std::fs::write(parent.path().join(name), "old").unwrap();
+        }
         assert!(matches!(Folder::open(parent.path(), false), Err(ToolError::Usage { .. })));
-        Folder::open(parent.path(), true).unwrap().publish(&[("report.csv", "new".into())]).unwrap();
+        Folder::open(parent.path(), true).unwrap().publish(&[("report.csv", "new".into())], &["old.svg", "never.svg"]).unwrap();
         assert_eq!(std::fs::read_to_string(parent.path().join("report.csv")).unwrap(), "new");
+        assert!(!parent.path().join("old.svg").exists());
         assert!(matches!(Folder::open(&parent.path().join("report.csv"), true), Err(ToolError::Usage { .. })));
         assert!(matches!(Folder::open(&parent.path().join("no/where"), true), Err(ToolError::Io { .. })));
     }

@@ -26,7 +26,7 @@ fn thousands(text: &str) -> String {
     let mut grouped = String::new();
     for (at, digit) in text.chars().enumerate() {
         let left = text.chars().count() - at;
-        if at > 0 && left % 3 == 0 && !grouped.ends_with('-') {
+        if at > 0 && left.is_multiple_of(3) && !grouped.ends_with('-') {
             grouped.push('\u{202f}');
         }
         grouped.push(digit);

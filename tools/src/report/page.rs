@@ -3,7 +3,7 @@
 use super::choice;
 use super::figures::Figure;
 use super::machine::Machine;
-use super::measure::{DECODE_RUNS, Measured};
+use super::measure::{BAKE_S, Measured, RUNS};
 use super::number::{escaped, megabytes, millions, power_of_two, significant, whole};
 use super::plot::STYLE;
 use super::run::Report;
@@ -95,9 +95,9 @@ fn cards(report: &Report) -> String {
         && let (Some(measured), Some(finest)) = (report.steps.get(best), report.steps.first())
     {
         cards.push(card(
-            format!("step {} m", power_of_two(measured.case.step_exponent)),
+            format!("step {}\u{a0}m", power_of_two(measured.case.step_exponent)),
             format!(
-                "is the coarsest whose rounding does not show: {} MB, {:.0} % of the finest step’s bytes.",
+                "is the coarsest whose rounding does not show: {} MB, {:.0} % of the finest step’s bytes.",
                 megabytes(measured.file_bytes),
                 100.0 * measured.file_bytes as f64 / finest.file_bytes as f64
             ),
@@ -106,14 +106,14 @@ fn cards(report: &Report) -> String {
     if let Some(measured) = choice::kernel(&report.kernels).and_then(|best| report.kernels.get(best)) {
         cards.push(card(
             measured.case.kernel(),
-            format!("keeps the source’s samples best: RMS {} m.", significant(measured.at_samples.rms_m(), 3)),
+            format!("keeps the source’s samples best: RMS {} m.", significant(measured.at_samples.rms_m(), 3)),
         ));
     }
     if let Some(measured) = default_step(report) {
         cards.push(card(
-            format!("{} million nodes/s", millions(measured.decode_nodes_per_s())),
+            format!("{}\u{a0}M nodes/s", millions(measured.decode_nodes_per_s())),
             format!(
-                "decoded at a step of {} m; {} million a second baked.",
+                "decoded at a step of {} m, {} M nodes/s baked.",
                 power_of_two(report.step_exponent),
                 millions(measured.encode_nodes_per_s())
             ),
@@ -183,11 +183,24 @@ fn steps(report: &Report, figure: &impl Fn(&str, &str) -> String) -> String {
          <p class=\"note\"><em>At nodes</em> is rounding alone: the file’s nodes against the resampled heights before \
          rounding. <em>At samples</em> is what a user sees: the surface between the nodes against the source where \
          the source has its own samples. The files hold everything, pyramids and bounds too; the default of a bake is \
-         {} m.</p>\n",
+         {} m.{}</p>\n",
         figure("bytes-against-error.svg", "Down and left is better; both axes are logarithmic. Labels are steps."),
         table::html(&columns, &rows),
         power_of_two(report.step_exponent),
+        unmoved(report),
     )
+}
+
+/// Why the error at the samples may hardly depend on the step.
+fn unmoved(report: &Report) -> &'static str {
+    match default_step(report) {
+        Some(m) if !report.kernels.is_empty() && m.at_samples.rms_m() > 10.0 * m.at_nodes.rms_m() => {
+            " The error at samples is far larger than any rounding, because nodes lie between the samples and terrain \
+             may change much from one sample to the next; a larger <code>--m</code> or another kernel lowers it, a \
+             finer step does not."
+        }
+        _ => "",
+    }
 }
 
 fn kernels(report: &Report, figure: &impl Fn(&str, &str) -> String) -> String {
@@ -228,10 +241,12 @@ fn kernels(report: &Report, figure: &impl Fn(&str, &str) -> String) -> String {
 }
 
 fn speeds(report: &Report, figure: &impl Fn(&str, &str) -> String) -> String {
+    let best = choice::step(&report.steps);
     let rows: Vec<table::Row> = report
         .steps
         .iter()
-        .map(|m| {
+        .enumerate()
+        .map(|(n, m)| {
             let cells = vec![
                 power_of_two(m.case.step_exponent),
                 significant(m.encode_s, 3),
@@ -239,15 +254,14 @@ fn speeds(report: &Report, figure: &impl Fn(&str, &str) -> String) -> String {
                 significant(1e3 * m.decode_s, 3),
                 millions(m.decode_nodes_per_s()),
             ];
-            (m.case.step_exponent == report.step_exponent, cells)
+            (best == Some(n), cells)
         })
         .collect();
     let columns =
         [("step", "m"), ("bake", "s"), ("bake", "million nodes/s"), ("decode", "ms"), ("decode", "million nodes/s")];
     format!(
         "<h2>Speed</h2>\n<p>A bake reads, resamples, derives the pyramids, bounds and deviations, encodes and writes; \
-         decoding gives all heights of level 0, with the coarser levels that they rest on. Both with {} threads. The \
-         marked row is the default of a bake.</p>\n{}{}",
+         decoding gives all heights of level 0, with the coarser levels that they rest on. Both use {} threads.</p>\n{}{}",
         report.threads,
         figure("speed.svg", "Up is better; the vertical axis is logarithmic."),
         table::html(&columns, &rows),
@@ -277,7 +291,6 @@ fn codecs(report: &Report, figure: &impl Fn(&str, &str) -> String) -> String {
                 significant(8.0 * codec.bytes as f64 / codec.nodes as f64, 3),
                 millions(codec.nodes as f64 / codec.encode_s),
                 millions(codec.nodes as f64 / codec.decode_s),
-                codec.holds.to_owned(),
             ];
             (best == Some(n), cells)
         })
@@ -288,7 +301,6 @@ fn codecs(report: &Report, figure: &impl Fn(&str, &str) -> String) -> String {
         ("bits", "per node"),
         ("encode", "million nodes/s"),
         ("decode", "million nodes/s"),
-        ("holds", ""),
     ];
     format!(
         "<h2>What the codec buys</h2>\n<p>The same tiles at a step of {} m, coded in several ways, with plain zstd as \
@@ -305,9 +317,8 @@ fn codecs(report: &Report, figure: &impl Fn(&str, &str) -> String) -> String {
 fn method(report: &Report) -> String {
     let noise = match (report.machine.busy(), report.machine.load) {
         (true, Some(load)) => format!(
-            "<strong>The machine was busy</strong>: {} processes were ready to run before the report began, on {} \
-             cores. Bytes and errors are not touched by that; take the speeds as lower bounds and compare them only \
-             within this page.",
+            "<strong>The machine was busy</strong>: a load average of {} on {} cores when the report began. Bytes and \
+             errors are not touched by that; take the speeds as lower bounds, and small differences between them as noise.",
             significant(load, 2),
             report.machine.cores
         ),
@@ -320,11 +331,13 @@ fn method(report: &Report) -> String {
     };
     format!(
         "<h2>How it was measured</h2>\n<p>{noise}</p>\n<p>Errors are over {} nodes and {} samples: {every} that has \
-         data, on the finest level, away from filled nodes. Each file is baked once; decode times are medians of {} \
-         runs with the file in memory. A megabyte is 10<sup>6</sup> bytes. All figures, unrounded: \
+         data, on the finest level, away from filled nodes. Times are medians: of up to {} bakes, as \
+         many as fit into {} seconds, and of {} decodes with the file in memory. A megabyte is 10<sup>6</sup> bytes. All figures, unrounded: \
          <a href=\"report.csv\">report.csv</a> and <a href=\"codecs.csv\">codecs.csv</a>.</p>\n",
         whole(compared.0),
         whole(compared.1),
-        DECODE_RUNS,
+        RUNS,
+        BAKE_S,
+        RUNS,
     )
 }

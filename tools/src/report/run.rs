@@ -91,7 +91,8 @@ pub fn run(inputs: &[String], options: &ReportOptions, stop: &AtomicBool) -> Res
     files.extend(drawn.iter().map(|figure| (figure.file, figure.svg.standalone())));
     // Last, so that a page never names a file that is not there.
     files.push(("index.html", page::html(&report, &drawn)));
-    folder.publish(&files)?;
+    let stale: Vec<&str> = figures::NAMES.into_iter().filter(|name| files.iter().all(|file| file.0 != *name)).collect();
+    folder.publish(&files, &stale)?;
     Ok(report)
 }
 
