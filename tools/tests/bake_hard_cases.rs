@@ -49,6 +49,9 @@ fn inspect(file: &Path) -> Value {
     relief_bake!("inspect", file, "--json").json(0)
 }
 
+/// Height in metres by column and row.
+type Shape = fn(usize, usize) -> f32;
+
 /// Waves of 3 km with a pattern of single metres.
 fn waves(x: usize, y: usize) -> f32 {
     ((x as f32 * 0.11).sin() * 3000.0 + (y as f32 * 0.07).cos() * 800.0).round() + (x * 7 + y * 13) as f32 % 5.0
@@ -57,7 +60,8 @@ fn waves(x: usize, y: usize) -> f32 {
 #[test]
 fn every_file_of_the_data_is_valid_with_its_defaults() {
     let folder = Folder::new();
-    for name in ["moon_dem_halfmetre_dn.tif", "antarctica_epsg3031.tif", "fiji_across_180.tif", "earth_etopo1_6min.tif"] {
+    for name in ["moon_dem_halfmetre_dn.tif", "antarctica_epsg3031.tif", "fiji_across_180.tif", "earth_etopo1_6min.tif"]
+    {
         let vertical: &[&str] = if name.starts_with("moon") { &[] } else { &["--vertical", "egm96"] };
         bake(&folder, &[&data(name)], vertical);
     }
@@ -142,10 +146,8 @@ fn void_values_of_old_programs() {
     assert!(inspect(&folder.path("out.relief"))["min_m"].as_f64().unwrap() >= -4000.0);
     // Filled with a height, they are still marked.
     let file = bake(&folder, &[&path], &[ELLIPSOID, "--fill", "-77", "--resample", "nearest"]);
-    let centre = |x: usize, y: usize| (-180.0 + 0.703_125 * (x as f64 + 0.5), 90.0 - 0.703_125 * (y as f64 + 0.5));
-    // Pixels (18..20, 2..4) and their neighbours to the east are void: 18 / 3 + 2 / 2 = 7.
-    let (lon, lat) = centre(19, 2);
-    let answer = probe(&file, lon, lat + 0.351_562_5 - 0.703_125);
+    // The node between columns 18 and 19, rows 2 and 3: x / 3 + y / 2 is 7 for all four.
+    let answer = probe(&file, -180.0 + 0.703_125 * 19.0, 90.0 - 0.703_125 * 3.0);
     assert_eq!((&answer["height_m"], &answer["filled"]), (&(-77.0).into(), &true.into()));
     bake(&folder, &[&path], &[ELLIPSOID, "--fill", "interpolate"]);
 }
@@ -178,14 +180,15 @@ fn south_up_and_turned() {
     Raster { transform: Some([-180.0, step_deg, 0.0, -90.0, 0.0, step_deg]), ..Raster::world(512) }.write(&path, waves);
     agrees(&folder, &path, &[ELLIPSOID], &[]);
     let path = folder.path("turned.tif");
-    Raster { transform: Some([10.0, 0.3, 0.1, 40.0, 0.1, -0.3]), size: (150, 120), ..Raster::world(512) }.write(&path, waves);
+    Raster { transform: Some([10.0, 0.3, 0.1, 40.0, 0.1, -0.3]), size: (150, 120), ..Raster::world(512) }
+        .write(&path, waves);
     agrees(&folder, &path, &[ELLIPSOID, "--m", "10"], &[]);
 }
 
 #[test]
 fn shapes_that_break_bounds() {
     let folder = Folder::new();
-    let shapes: [(&str, fn(usize, usize) -> f32); 5] = [
+    let shapes: [(&str, Shape); 5] = [
         ("flat", |_, _| 42.0),
         ("deep", |x, y| -11_000.0 + waves(x, y) / 100.0),
         ("spikes", |x, y| if x % 97 == 13 && y % 53 == 7 { 9000.0 } else { 0.0 }),
@@ -258,10 +261,8 @@ fn a_fine_region_on_a_coarse_globe() {
     let earth = Pixels::read(&data("earth_etopo1_6min.tif"));
     let coarse = folder.path("coarse.tif");
     // Every tenth sample: a pixel of a degree is centred on the half degree, at column 10 x + 5.
-    let [transform, step] = [[0.0, 1.0, 0.0, 90.0, 0.0, -1.0], [10.0; 6]];
     let pick = |x: usize, y: usize| earth.values[(10 * y + 5) * earth.width + 10 * x + 5] as i16;
-    assert_eq!((earth.width, step[0]), (3601, 10.0));
-    Raster { size: (360, 180), transform: Some(transform), ..Raster::world(360) }.write(&coarse, pick);
+    Raster { transform: Some([0.0, 1.0, 0.0, 90.0, 0.0, -1.0]), ..Raster::world(360) }.write(&coarse, pick);
     let (globe, region) = (Pixels::read(&coarse), data("srtm_n40e040_3s.tif"));
     let fine = Pixels::read(&region);
     let [west, dx, _, north, _, dy] = fine.transform;

@@ -115,6 +115,7 @@ pub fn earth(m: u32) -> Sample {
 
 /// A plane with spacing 30 x 20 from (500000, 4000000) in UTM zone 11 N.
 pub fn plane(m: u32) -> Sample {
-    let crs_wkt = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/common/utm11.wkt")).unwrap();
+    let crs_wkt =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/common/utm11.wkt")).unwrap();
     Sample::new(Body::Plane { crs_wkt, x0: 500_000.0, y0: 4_000_000.0, dx: 30.0, dy: 20.0 }, m)
 }
