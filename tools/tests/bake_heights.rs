@@ -43,7 +43,12 @@ fn earth_on_gridline_rows_from_0_to_360() {
 #[test]
 fn earth_above_a_geoid() {
     let geoid = "/usr/share/proj/egm96_15.gtx";
-    agrees("earth_etopo1_6min.tif", &[&["--vertical", "egm96", "--m", "9", "--step", "0.0625"]], &["--geoid", geoid], 8);
+    agrees(
+        "earth_etopo1_6min.tif",
+        &[&["--vertical", "egm96", "--m", "9", "--step", "0.0625"]],
+        &["--geoid", geoid],
+        8,
+    );
 }
 
 #[test]
@@ -151,7 +156,8 @@ fn a_shift_of_half_a_cell_is_seen() {
 #[test]
 fn a_wrong_fill_flag_is_seen() {
     let folder = Folder::new();
-    let file = bake(&folder, "exr/earth_1024_f32_zip.exr", "nearest", &[&ON_ELLIPSOID, &WORLD, &["--channel", "height"]]);
+    let file =
+        bake(&folder, "exr/earth_1024_f32_zip.exr", "nearest", &[&ON_ELLIPSOID, &WORLD, &["--channel", "height"]]);
     let source = data("exr/earth_1024_f32_nan_inf.exr");
     let options = ["--kernel", "nearest", WORLD[0], "--channel", "R"];
     let agreement = Question::new(&source, &options, 8).ask(&file);

@@ -148,7 +148,8 @@ fn damaged_tiffs() {
     refused(&folder, &path, &["--vertical", "ellipsoid"], &["damaged.tif"]);
 
     let strips = folder.path("strips.tif");
-    Raster { options: &["COMPRESS=DEFLATE", "BLOCKYSIZE=16"], ..Raster::world(512) }.write(&strips, |x, y| (x * y) as f32);
+    Raster { options: &["COMPRESS=DEFLATE", "BLOCKYSIZE=16"], ..Raster::world(512) }
+        .write(&strips, |x, y| (x * y) as f32);
     let mut bytes = std::fs::read(&strips).unwrap();
     bytes[block_offset(&strips, 0, 8)..][..16].fill(0);
     std::fs::write(&strips, bytes).unwrap();
@@ -163,6 +164,8 @@ fn damaged_exrs() {
         refused(&folder, data("exr").join(name), &options, &[name, "whole"]);
         refused(&folder, data("exr").join(name), &[&options[..], &["--channel", "R"]].concat(), &[name, "whole"]);
     }
+    // Its mip levels are more than an integer counts.
+    refused(&folder, data("exr/tiled.exr"), &[&options[..], &["--channel", "G"]].concat(), &["tiled.exr", "whole"]);
     let path = folder.path("cut.exr");
     let whole = std::fs::read(data("exr/earth_1024_f32_zip.exr")).unwrap();
     for length in [3, 100, whole.len() / 2, whole.len() - 1] {
@@ -250,7 +253,12 @@ fn disks_that_are_full() {
         assert!(folder.names().is_empty(), "{kib} KiB: {:?}", folder.names());
     }
     let output = limited(100_000);
-    assert_eq!((output.status.code(), folder.names().len()), (Some(0), 1), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(
+        (output.status.code(), folder.names().len()),
+        (Some(0), 1),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
 }
 
 #[test]
@@ -273,7 +281,12 @@ fn numbers_out_of_range() {
         refused(&folder, &moon, &[&format!("--step={bad}")], &[bad, "--step"]);
         refused(&folder, &moon, &[&format!("--max-error={bad}")], &[bad, "--max-error"]);
     }
-    refused(&folder, &earth, &["--vertical", "ellipsoid", "--step", "0.0009765625"], &["steps of 0.0009765625", "2^23", "--step"]);
+    refused(
+        &folder,
+        &earth,
+        &["--vertical", "ellipsoid", "--step", "0.0009765625"],
+        &["steps of 0.0009765625", "2^23", "--step"],
+    );
     refused(&folder, &moon, &["--fill", "1e9"], &["1000000000", "2^23"]);
     refused(&folder, &moon, &["--fill", "NaN"], &["NaN"]);
     refused(&folder, &moon, &["--scale", "NaN"], &["NaN", "scale"]);

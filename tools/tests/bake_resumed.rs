@@ -128,7 +128,8 @@ fn after_a_kill_the_rest_is_baked_to_the_same_bytes() {
 fn what_is_no_work_file_is_replaced() {
     let bake = Bake { source: data("moon_dem_halfmetre_dn.tif"), options: &[], folder: Folder::new() };
     let (_, whole) = bake.bytes(&[]);
-    for text in [&b""[..], b"relief-bake wk 1", b"some notes of the user's that are longer than a head is, by a little"] {
+    for text in [&b""[..], b"relief-bake wk 1", b"some notes of the user's that are longer than a head is, by a little"]
+    {
         std::fs::write(bake.work(), text).unwrap();
         let (report, bytes) = bake.bytes(&["--resume"]);
         assert_eq!(resumed(&report), 0);

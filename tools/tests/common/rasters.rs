@@ -61,7 +61,6 @@ impl Raster<'_> {
         }
         let values = (0..nx * ny).map(|k| value(k % nx, k / nx)).collect();
         band.write((0, 0), self.size, &mut Buffer::new(self.size, values)).unwrap();
-        drop(band);
         file.close().unwrap();
     }
 }
