@@ -68,7 +68,15 @@ impl Grid {
     #[must_use]
     pub fn home_node(&self, level: u32, x: i32, y: i32) -> (i32, i32) {
         let (w, h) = (self.width(level) as i32, self.height(level) as i32);
-        let mirror = |v: i32, end: i32| if v < 0 { -v } else if v > end { 2 * end - v } else { v };
+        let mirror = |v: i32, end: i32| {
+            if v < 0 {
+                -v
+            } else if v > end {
+                2 * end - v
+            } else {
+                v
+            }
+        };
         if self.plane {
             return (mirror(x, w).clamp(0, w), mirror(y, h).clamp(0, h));
         }
@@ -80,7 +88,15 @@ impl Grid {
     #[must_use]
     pub fn home_cell(&self, level: u32, x: i32, y: i32) -> (i32, i32) {
         let (w, h) = (self.width(level) as i32, self.height(level) as i32);
-        let mirror = |v: i32, count: i32| if v < 0 { -1 - v } else if v >= count { 2 * count - 1 - v } else { v };
+        let mirror = |v: i32, count: i32| {
+            if v < 0 {
+                -1 - v
+            } else if v >= count {
+                2 * count - 1 - v
+            } else {
+                v
+            }
+        };
         if self.plane {
             return (mirror(x, w).clamp(0, w - 1), mirror(y, h).clamp(0, h - 1));
         }

@@ -60,8 +60,7 @@ pub fn encode(tile: &TileSamples<'_>) -> EncodedTile {
         digest(tile.deviations),
         digest(&filled::pack(tile.filled)),
     ];
-    let (min_q, max_q) =
-        tile.nodes.iter().fold((i32::MAX, i32::MIN), |(low, high), &q| (low.min(q), high.max(q)));
+    let (min_q, max_q) = tile.nodes.iter().fold((i32::MAX, i32::MIN), |(low, high), &q| (low.min(q), high.max(q)));
     EncodedTile {
         key: tile.key,
         planes: [nodes, mip, hext, deviation, filled::encode(tile.filled)],

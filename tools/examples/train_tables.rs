@@ -19,7 +19,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut one: Counts = [[0.0; TOKENS]; TABLES];
         // Coarser and rougher steps show the tables other scales than the source's own.
         for step in [0.0625f32, 0.25, 1.0, 4.0, 16.0] {
-            let q: Vec<i32> = data.data().iter().map(|h| (h.clamp(-12_000.0, 12_000.0) / step).round() as i32).collect();
+            let q: Vec<i32> =
+                data.data().iter().map(|h| (h.clamp(-12_000.0, 12_000.0) / step).round() as i32).collect();
             let mut stride = 1;
             while width / stride > 128 {
                 count_level(&q, width, height, stride, &mut one);

@@ -89,7 +89,9 @@ fn format_remedy(error: &relief_formats::file::FormatError) -> &'static str {
         FormatError::Io { .. } => "check that the path exists, can be read or written, and that the disk has room",
         FormatError::NotRelief(_) => "name a file that `relief-bake bake` wrote",
         FormatError::Unsupported(_) => "use a newer relief-bake",
-        FormatError::Damaged(_) | FormatError::Tile { .. } => "copy the file again or bake it again; `relief-bake validate` lists all damage",
+        FormatError::Damaged(_) | FormatError::Tile { .. } => {
+            "copy the file again or bake it again; `relief-bake validate` lists all damage"
+        }
         FormatError::Request(_) => "ask for something the file has; see `relief-bake inspect`",
     }
 }

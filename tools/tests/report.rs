@@ -27,9 +27,8 @@ fn globe(folder: &Folder) -> PathBuf {
     let mut dataset = driver.create_with_band_type::<f32, _>(&path, NX, NY, 1).unwrap();
     dataset.set_geo_transform(&[-180.0, 1.0, 0.0, 90.0, 0.0, -1.0]).unwrap();
     dataset.set_spatial_ref(&SpatialRef::from_epsg(4326).unwrap()).unwrap();
-    let heights_m: Vec<f32> = (0..NX * NY)
-        .map(|at| smooth_m((at % NX) as f64 - 179.5, 89.5 - (at / NX) as f64) as f32)
-        .collect();
+    let heights_m: Vec<f32> =
+        (0..NX * NY).map(|at| smooth_m((at % NX) as f64 - 179.5, 89.5 - (at / NX) as f64) as f32).collect();
     let mut buffer = Buffer::new((NX, NY), heights_m);
     dataset.rasterband(1).unwrap().write((0, 0), (NX, NY), &mut buffer).unwrap();
     path
@@ -92,7 +91,10 @@ fn a_report_holds_together() {
         std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     let svgs = ["bytes-against-error.svg", "codecs.svg", "kernels.svg", "planes.svg", "speed.svg"];
-    assert_eq!(names, [&svgs[..1], &["codecs.csv"], &svgs[1..2], &["index.html"], &svgs[2..4], &["report.csv"], &svgs[4..]].concat());
+    assert_eq!(
+        names,
+        [&svgs[..1], &["codecs.csv"], &svgs[1..2], &["index.html"], &svgs[2..4], &["report.csv"], &svgs[4..]].concat()
+    );
 
     let rows = table(&out.join("report.csv"));
     let steps: Vec<_> = rows.iter().filter(|row| row["varied"] == "step").collect();

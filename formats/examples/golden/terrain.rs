@@ -23,7 +23,7 @@ pub fn height_q(grid: Grid, kind: Kind, i: u32, j: u32) -> i32 {
     };
     let land: i64 = octaves.map(|o| value_noise(o, i, j, width)).sum();
     let q = match kind {
-        Kind::Seas if hash(i, j, 77) .is_multiple_of(5000) => 144_000,
+        Kind::Seas if hash(i, j, 77).is_multiple_of(5000) => 144_000,
         Kind::Seas => land.max(-100),
         Kind::Rough => land / 4,
         Kind::Extremes if j < height / 2 => -11_000,

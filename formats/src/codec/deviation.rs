@@ -20,7 +20,8 @@ pub fn encode(codes: &[u8], nodes: &[i32]) -> Vec<u8> {
     if local == codes {
         return Vec::new();
     }
-    let differences = |places: &[usize]| -> Vec<u8> { places.iter().map(|&k| codes[k].wrapping_sub(local[k])).collect() };
+    let differences =
+        |places: &[usize]| -> Vec<u8> { places.iter().map(|&k| codes[k].wrapping_sub(local[k])).collect() };
     let (centres, sides) = places();
     let mut plane = Vec::new();
     write_groups(&mut plane, &differences(&centres), &centre_groups(&local));
@@ -58,11 +59,8 @@ fn write_groups(plane: &mut Vec<u8>, values: &[u8], groups: &[u8]) {
     }
     for frame in &mut frames {
         // Compressing into memory cannot fail.
-        *frame = if frame.iter().all(|&v| v == 0) {
-            Vec::new()
-        } else {
-            zstd::bulk::compress(frame, 3).unwrap_or_default()
-        };
+        *frame =
+            if frame.iter().all(|&v| v == 0) { Vec::new() } else { zstd::bulk::compress(frame, 3).unwrap_or_default() };
         plane.extend_from_slice(&(frame.len() as u32).to_le_bytes()[..3]);
     }
     frames.iter().for_each(|frame| plane.extend_from_slice(frame));

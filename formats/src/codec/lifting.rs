@@ -138,8 +138,7 @@ pub fn predict_h(e: &[i32], c: &[i32], rc: &[i32], n: usize, prediction: &mut [i
         let (p, a) = (&mut p[1..][..m], &mut a[1..][..m]);
         for i in 0..m {
             let near = here[i] + here[i + 1] + cs1[i] + cn1[i];
-            let ring =
-                cs0[i] + cs2[i] + cn0[i] + cn2[i] + south[i] + south[i + 1] + north[i] + north[i + 1];
+            let ring = cs0[i] + cs2[i] + cn0[i] + cn2[i] + south[i] + south[i + 1] + north[i] + north[i + 1];
             p[i] = stencil(near, ring);
             a[i] += rs0[i].abs() + rs2[i].abs() + rn0[i].abs() + rn2[i].abs();
         }
@@ -148,15 +147,7 @@ pub fn predict_h(e: &[i32], c: &[i32], rc: &[i32], n: usize, prediction: &mut [i
 
 /// Predictions of V and their activity, from E, C and the residuals of C and H.
 #[multiversion(targets = "simd")]
-pub fn predict_v(
-    e: &[i32],
-    c: &[i32],
-    rc: &[i32],
-    rh: &[i32],
-    n: usize,
-    prediction: &mut [i32],
-    activity: &mut [i32],
-) {
+pub fn predict_v(e: &[i32], c: &[i32], rc: &[i32], rh: &[i32], n: usize, prediction: &mut [i32], activity: &mut [i32]) {
     let w = n + 1;
     for j in 0..n {
         let (p, a) = (&mut prediction[j * w..][..w], &mut activity[j * w..][..w]);
@@ -178,8 +169,7 @@ pub fn predict_v(
         let (p, a) = (&mut p[1..][..m], &mut a[1..][..m]);
         for i in 0..m {
             p[i] = mean4(e0m[i] + e1m[i] + cw[i] + ce[i]);
-            a[i] = 4 * (rw[i].abs() + re[i].abs())
-                + 2 * (hs0[i].abs() + hs1[i].abs() + hn0[i].abs() + hn1[i].abs());
+            a[i] = 4 * (rw[i].abs() + re[i].abs()) + 2 * (hs0[i].abs() + hs1[i].abs() + hn0[i].abs() + hn1[i].abs());
         }
         if j == 0 || j + 1 == n {
             continue;

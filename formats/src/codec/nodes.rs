@@ -47,11 +47,8 @@ pub fn encode_root(fine: &[i32]) -> Vec<u8> {
     let mut n = 1;
     while n <= HALF {
         let stride = HALF / n;
-        let square: Vec<i32> = fine
-            .chunks_exact(side)
-            .step_by(stride)
-            .flat_map(|row| row.iter().step_by(stride).copied())
-            .collect();
+        let square: Vec<i32> =
+            fine.chunks_exact(side).step_by(stride).flat_map(|row| row.iter().step_by(stride).copied()).collect();
         let (even, new) = split(&square, n);
         write_stage(&mut writer, &even, &new, None, n);
         n *= 2;
@@ -196,8 +193,20 @@ pub(super) mod tests {
                     0 => 0,
                     1 => (1000.0 * ((x as f64 / 17.0).sin() + (y as f64 / 23.0).cos())) as i32,
                     2 => hash(x, y) >> 20,
-                    3 => if hash(x, y) & 1023 == 0 { 9000 } else { -11_000 },
-                    4 => if (x + y) % 2 == 0 { SAMPLE_LIMIT } else { -SAMPLE_LIMIT },
+                    3 => {
+                        if hash(x, y) & 1023 == 0 {
+                            9000
+                        } else {
+                            -11_000
+                        }
+                    }
+                    4 => {
+                        if (x + y) % 2 == 0 {
+                            SAMPLE_LIMIT
+                        } else {
+                            -SAMPLE_LIMIT
+                        }
+                    }
                     _ => hash(x / 16, y / 16) >> 16,
                 }
             })

@@ -7,12 +7,12 @@
 
 use multiversion::multiversion;
 
+use super::CodecError;
 use super::bits::{BitReader, BitWriter};
 use super::rans::{Decoder, Encoder, slot_base};
 use super::token::{
     ESCAPE_BITS, EVEN_SCALE, SCALES, TOKENS, low_bits, table_of, token_range, tokenize, unzigzag, zigzag,
 };
-use super::CodecError;
 
 /// Buckets of activity; larger activities share the last.
 pub const BUCKETS: usize = 48;

@@ -10,7 +10,7 @@ mod codec;
 mod surface;
 
 pub use check::{MeshFault, MeshFinding, check_mesh, check_surface};
-pub use codec::{MAX_SECTION_BYTES, decode_section, encode_section, MAX_CELLS, MeshError, decode, encode};
+pub use codec::{MAX_CELLS, MAX_SECTION_BYTES, MeshError, decode, decode_section, encode, encode_section};
 
 use crate::body::Body;
 use crate::geodesy::{Ellipsoid, T_NORTH, lat_deg, lon_deg};

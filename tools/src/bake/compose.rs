@@ -98,7 +98,8 @@ impl<'a> Composer<'a> {
             for y in part.y0..part.y1() {
                 let at = (y - window.y0) as usize * window.nx;
                 whole.q.data_mut()[at..][..window.nx].copy_from_slice(composed.q.row(y, window.x0, window.nx));
-                whole.filled.data_mut()[at..][..window.nx].copy_from_slice(composed.filled.row(y, window.x0, window.nx));
+                whole.filled.data_mut()[at..][..window.nx]
+                    .copy_from_slice(composed.filled.row(y, window.x0, window.nx));
             }
         }
         Ok(whole)
@@ -134,13 +135,8 @@ impl<'a> Composer<'a> {
         origin: &mut [Origin],
     ) -> Result<(), ToolError> {
         let grid = &self.plan.grid;
-        let request = NodeWindow {
-            level,
-            x0: i64::from(window.x0),
-            y0: i64::from(window.y0),
-            nx: window.nx,
-            ny: window.ny,
-        };
+        let request =
+            NodeWindow { level, x0: i64::from(window.x0), y0: i64::from(window.y0), nx: window.nx, ny: window.ny };
         let finest = &self.plan.finest;
         for s in (0..self.sources.len()).rev() {
             // A coarser source matters here only where it hides a finer one named before it.

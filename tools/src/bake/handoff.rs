@@ -88,7 +88,8 @@ impl<'a> Handoffs<'a> {
             distances: (0..DISTANCE_LEVELS)
                 .map(|i| {
                     let up = i + 1;
-                    let window = Window::between(padded.x0 >> up, padded.x1() >> up, padded.y0 >> up, padded.y1() >> up);
+                    let window =
+                        Window::between(padded.x0 >> up, padded.x1() >> up, padded.y0 >> up, padded.y1() >> up);
                     Field::from_fn(window, |x, y| {
                         if y < 0 || y >= h >> up || (plan.grid.plane && (x < 0 || x >= w >> up)) {
                             return CellDistances::default();

@@ -106,7 +106,8 @@ fn take_handoff(input: &mut &[u8]) -> Option<Handoff> {
     let centres = take_ints(input, |[c]: [i32; 1]| c as u8)?;
     let mut distances = Vec::new();
     while !input.is_empty() {
-        distances.push(take_ints(input, |[centre, a, b, c, d]: [i32; 5]| CellDistances { centre, sides: [a, b, c, d] })?);
+        distances
+            .push(take_ints(input, |[centre, a, b, c, d]: [i32; 5]| CellDistances { centre, sides: [a, b, c, d] })?);
     }
     let below = Some(Below { intervals, extremes, centres, distances });
     Some(Handoff { base: Base { level, nodes, mip: Some(mip), below }, filled })
@@ -130,7 +131,9 @@ fn take_ints<T: Copy + Default, const N: usize>(input: &mut &[u8], value: impl F
     *input = rest;
     let data = bytes
         .chunks_exact(4 * N)
-        .map(|c| value(std::array::from_fn(|k| i32::from_le_bytes([c[4 * k], c[4 * k + 1], c[4 * k + 2], c[4 * k + 3]]))))
+        .map(|c| {
+            value(std::array::from_fn(|k| i32::from_le_bytes([c[4 * k], c[4 * k + 1], c[4 * k + 2], c[4 * k + 3]])))
+        })
         .collect();
     Field::from_data(window, data)
 }

@@ -159,9 +159,8 @@ impl<'a> Baker<'a> {
                 progress.add(1);
             }
             for batch in missing.chunks(at_once) {
-                let finished: Vec<Result<Finished, ToolError>> = pool.install(|| {
-                    batch.par_iter().map(|&key| self.block(key, below.as_ref())).collect()
-                });
+                let finished: Vec<Result<Finished, ToolError>> =
+                    pool.install(|| batch.par_iter().map(|&key| self.block(key, below.as_ref())).collect());
                 for (&key, finished) in batch.iter().zip(finished) {
                     let finished = finished?;
                     let path = work_file(&self.options.output);
@@ -311,7 +310,9 @@ fn io_error(action: &'static str, path: &Path, error: std::io::Error) -> ToolErr
         std::io::ErrorKind::StorageFull | std::io::ErrorKind::QuotaExceeded | std::io::ErrorKind::FileTooLarge => {
             "free some space, or write to another disk"
         }
-        std::io::ErrorKind::PermissionDenied | std::io::ErrorKind::ReadOnlyFilesystem => "write to a folder that you may write to",
+        std::io::ErrorKind::PermissionDenied | std::io::ErrorKind::ReadOnlyFilesystem => {
+            "write to a folder that you may write to"
+        }
         _ => "check the path and the disk",
     };
     ToolError::Io { action, path: path.to_path_buf(), error, remedy: remedy.into() }

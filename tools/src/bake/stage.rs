@@ -68,8 +68,7 @@ impl BlockKey {
 /// All blocks of a stage that have a tile, in rows from the south.
 #[must_use]
 pub fn blocks(plan: &Plan, level: u32) -> Vec<BlockKey> {
-    let (nx, ny) =
-        (plan.grid.width(level).div_ceil(BLOCK_CELLS), plan.grid.height(level).div_ceil(BLOCK_CELLS));
+    let (nx, ny) = (plan.grid.width(level).div_ceil(BLOCK_CELLS), plan.grid.height(level).div_ceil(BLOCK_CELLS));
     let last = (level + BLOCK_LEVELS - 1).min(plan.grid.root_level());
     (0..ny)
         .flat_map(|y| (0..nx).map(move |x| BlockKey { level, x, y }))
@@ -126,9 +125,7 @@ pub fn finish(plan: &Plan, key: BlockKey, base: Base, filled: Field<bool>) -> Fi
     let tiles: Vec<EncodedTile> = key.tiles(plan).into_par_iter().map(encode_one).collect();
     let measured = filled_levels[0].crop(core.nodes()).data().contains(&false);
     let top = Window::new(core.x0 >> levels, core.y0 >> levels, core.nx >> levels, core.ny >> levels);
-    let handoff = (key.level + levels <= root).then(|| Handoff {
-        base: block.next.clone(),
-        filled: filled_levels[levels as usize].crop(top.nodes()),
-    });
+    let handoff = (key.level + levels <= root)
+        .then(|| Handoff { base: block.next.clone(), filled: filled_levels[levels as usize].crop(top.nodes()) });
     Finished { tiles, handoff, measured }
 }

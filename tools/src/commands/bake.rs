@@ -8,8 +8,8 @@ use clap::ValueEnum;
 use relief_formats::mesh::MeshLayout;
 
 use super::Outcome;
-use super::source_args::{SourceArgs, refusal};
 pub(crate) use super::source_args::parse_bytes;
+use super::source_args::{SourceArgs, refusal};
 use crate::bake::{BakeOptions, bake};
 use crate::error::ToolError;
 use crate::source::Resample;

@@ -145,7 +145,8 @@ fn parse_bounds(text: &str) -> Result<[f64; 4], String> {
 }
 
 fn parse_numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|t| t.trim().parse().ok().filter(|v: &f64| v.is_finite())).collect();
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|t| t.trim().parse().ok().filter(|v: &f64| v.is_finite())).collect();
     numbers?.try_into().ok()
 }
 

@@ -67,7 +67,13 @@ impl Args {
         let bounds = match self.bounds[..] {
             [] => None,
             [west, south, east, north] => Some([west, south, east, north]),
-            _ => return Err(ToolError::usage(format!("--bounds with {} numbers", self.bounds.len()), "four numbers W,S,E,N", "give all four")),
+            _ => {
+                return Err(ToolError::usage(
+                    format!("--bounds with {} numbers", self.bounds.len()),
+                    "four numbers W,S,E,N",
+                    "give all four",
+                ));
+            }
         };
         Ok(Against {
             inputs: self.against.clone(),
@@ -95,9 +101,14 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
             "name the inputs after --against, or choose another level",
         ));
     }
-    let options = Options { level, against: args.against()?, memory_bytes: args.memory, quiet: args.quiet, ..Options::default() };
+    let options =
+        Options { level, against: args.against()?, memory_bytes: args.memory, quiet: args.quiet, ..Options::default() };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build().map_err(|error| {
-        ToolError::usage(format!("cannot start the threads: {error}"), "the system has room for the threads", "choose fewer with --threads")
+        ToolError::usage(
+            format!("cannot start the threads: {error}"),
+            "the system has room for the threads",
+            "choose fewer with --threads",
+        )
     })?;
     let report = pool.install(|| validate(&args.file, &options))?;
     if let Some(path) = &args.junit {
@@ -105,7 +116,11 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     }
     if args.json {
         let json = serde_json::to_string_pretty(&report).map_err(|error| {
-            ToolError::usage(format!("the report cannot be written as JSON: {error}"), "all numbers are finite", "leave --json out")
+            ToolError::usage(
+                format!("the report cannot be written as JSON: {error}"),
+                "all numbers are finite",
+                "leave --json out",
+            )
         })?;
         print(&format!("{json}\n"))?;
     } else {

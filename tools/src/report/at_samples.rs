@@ -42,7 +42,8 @@ impl Samples {
                 .par_iter()
                 .map(|&row| {
                     let centres = sources.centres(source, row..(row + ROWS * every).min(rows), every)?;
-                    let placed = centres.iter().filter_map(|centre| Some((place(sources, plan, centre)?, centre.height_m)));
+                    let placed =
+                        centres.iter().filter_map(|centre| Some((place(sources, plan, centre)?, centre.height_m)));
                     Ok(placed.filter(|(place, _)| !overlaid(sources, plan, source, place)).collect())
                 })
                 .collect::<Result<_, ToolError>>()?;

@@ -55,7 +55,14 @@ pub fn codecs(report: &Report) -> String {
         let _ = writeln!(
             text,
             "\"{}\",\"{}\",{},{},{step_m},{},{},{:.6},{:.6}",
-            codec.name, codec.holds, codec.heights_only, report.m, codec.nodes, codec.bytes, codec.encode_s, codec.decode_s
+            codec.name,
+            codec.holds,
+            codec.heights_only,
+            report.m,
+            codec.nodes,
+            codec.bytes,
+            codec.encode_s,
+            codec.decode_s
         );
     }
     text

@@ -139,7 +139,10 @@ mod tests {
             std::fs::write(parent.path().join(name), "old").unwrap();
         }
         assert!(matches!(Folder::open(parent.path(), false), Err(ToolError::Usage { .. })));
-        Folder::open(parent.path(), true).unwrap().publish(&[("report.csv", "new".into())], &["old.svg", "never.svg"]).unwrap();
+        Folder::open(parent.path(), true)
+            .unwrap()
+            .publish(&[("report.csv", "new".into())], &["old.svg", "never.svg"])
+            .unwrap();
         assert_eq!(std::fs::read_to_string(parent.path().join("report.csv")).unwrap(), "new");
         assert!(!parent.path().join("old.svg").exists());
         assert!(matches!(Folder::open(&parent.path().join("report.csv"), true), Err(ToolError::Usage { .. })));

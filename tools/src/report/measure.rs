@@ -154,7 +154,8 @@ impl Bench<'_> {
         let decoded = Tiles::new(&relief, CACHE_BYTES);
         let at_nodes = at_nodes::errors(&decoded, &sources, self.plan, of_file)?;
         let at_samples = self.samples.errors(&decoded).map_err(of_file)?;
-        let decode_s = (0..RUNS).map(|_| decode(&relief, self.source.threads)).collect::<Result<_, _>>().map_err(of_file)?;
+        let decode_s =
+            (0..RUNS).map(|_| decode(&relief, self.source.threads)).collect::<Result<_, _>>().map_err(of_file)?;
         also(&relief)?;
         Ok(Measured {
             case,

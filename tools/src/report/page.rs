@@ -90,7 +90,9 @@ fn vertical(report: &Report) -> String {
 
 fn cards(report: &Report) -> String {
     let mut cards = Vec::new();
-    let card = |value: String, text: String| format!("<div class=\"card\"><b>{}</b><span>{text}</span></div>\n", escaped(&value));
+    let card = |value: String, text: String| {
+        format!("<div class=\"card\"><b>{}</b><span>{text}</span></div>\n", escaped(&value))
+    };
     if let Some(best) = choice::step(&report.steps)
         && let (Some(measured), Some(finest)) = (report.steps.get(best), report.steps.first())
     {

@@ -94,7 +94,8 @@ pub(super) fn container(bytes: &mut Bytes<'_>, findings: &Findings) -> Result<Op
         Ok(header) => header,
         Err(error @ FormatError::Unsupported(_)) if checksum_holds(&head) => return Err(of_file(error)),
         Err(error) => {
-            let what = if head.len() < HEADER_BYTES { "the file ends inside the header".into() } else { error.to_string() };
+            let what =
+                if head.len() < HEADER_BYTES { "the file ends inside the header".into() } else { error.to_string() };
             findings.add(Check::Header, Place::byte(0), what);
             return Ok(None);
         }

@@ -33,7 +33,12 @@ const BLOCK_BYTES: [u64; 2] = [160 << 20, 380 << 20];
 ///
 /// # Errors
 /// A tile that does not decode.
-pub(super) fn derived(map: &Map<'_>, memory_bytes: u64, findings: &Findings, step: impl Fn(u64) + Sync) -> Result<(), FormatError> {
+pub(super) fn derived(
+    map: &Map<'_>,
+    memory_bytes: u64,
+    findings: &Findings,
+    step: impl Fn(u64) + Sync,
+) -> Result<(), FormatError> {
     let root = map.grid.root_level();
     let mut summaries: Option<Summaries<'_>> = None;
     let mut first = 0;
@@ -89,14 +94,20 @@ impl Stage<'_> {
         let pad = padding(self.levels);
         let base = match summaries {
             Some(summaries) => summaries.gather(core, pad)?,
-            None => Base { level: self.first, nodes: self.map.nodes(self.first, core.expand(pad).nodes())?, mip: None, below: None },
+            None => Base {
+                level: self.first,
+                nodes: self.map.nodes(self.first, core.expand(pad).nodes())?,
+                mip: None,
+                below: None,
+            },
         };
         let absent = |level: u32, x: i32, y: i32| self.map.absent(level, x, y);
         let absent: Option<&Absent<'_>> = if self.map.is_dense() { None } else { Some(&absent) };
         let Block { levels, next } = derive_block(base, core, self.levels, absent);
         levels.par_iter().try_for_each(|planes| {
             let size = (TILE_CELLS << (planes.level - self.first)) as i32;
-            let tiles = (core.y0 / size..core.y1() / size).flat_map(|y| (core.x0 / size..core.x1() / size).map(move |x| (x, y)));
+            let tiles = (core.y0 / size..core.y1() / size)
+                .flat_map(|y| (core.x0 / size..core.x1() / size).map(move |x| (x, y)));
             let keys: Vec<_> = tiles
                 .map(|(x, y)| TileKey::new(planes.level, x as u32, y as u32))
                 .filter(|&key| self.map.has(key))
@@ -161,7 +172,8 @@ impl Stage<'_> {
         stored: &[T],
         fault: impl Fn(&T, &T) -> Option<String>,
     ) -> bool {
-        let mut faults = built.iter().zip(stored).enumerate().filter_map(|(at, (built, stored))| Some((at, fault(built, stored)?)));
+        let mut faults =
+            built.iter().zip(stored).enumerate().filter_map(|(at, (built, stored))| Some((at, fault(built, stored)?)));
         let Some((at, what)) = faults.next() else { return false };
         let count = 1 + faults.count();
         let side = if spacing == 1 { TILE_NODES } else { TILE_NODES / spacing };

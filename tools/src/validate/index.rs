@@ -37,7 +37,10 @@ pub(super) fn index(relief: &Relief, findings: &Findings) {
         }
         last = Some(Entry::sort_key(entry.key));
         if entry.offset != end {
-            add(Check::TileBytes, format!("its bytes start at {} of the section, the last tile's end at {end}", entry.offset));
+            add(
+                Check::TileBytes,
+                format!("its bytes start at {} of the section, the last tile's end at {end}", entry.offset),
+            );
         }
         end = entry.offset + entry.bytes();
         (min_q, max_q) = (min_q.min(entry.min_q), max_q.max(entry.max_q));
@@ -54,7 +57,11 @@ pub(super) fn index(relief: &Relief, findings: &Findings) {
     }
     let section = relief.section_bytes(TILES).map_or(0, <[u8]>::len) as u64;
     if end != section {
-        findings.add(Check::TileBytes, Place::default(), format!("the tiles end at {end} of the section's {section} bytes"));
+        findings.add(
+            Check::TileBytes,
+            Place::default(),
+            format!("the tiles end at {end} of the section's {section} bytes"),
+        );
     }
     if sound {
         tree(relief, findings);

@@ -34,7 +34,8 @@ pub(super) fn records(metadata: &Metadata) -> Vec<SourceRecord> {
 
 /// The record of the n-th input: that at its place, unless another has its name.
 pub(super) fn record_of<'a>(records: &'a [SourceRecord], n: usize, path: &str) -> Option<&'a SourceRecord> {
-    let named = |record: &&SourceRecord| std::path::Path::new(path).file_name().is_some_and(|name| *name == *record.file);
+    let named =
+        |record: &&SourceRecord| std::path::Path::new(path).file_name().is_some_and(|name| *name == *record.file);
     records.get(n).filter(named).or_else(|| records.iter().find(named)).or_else(|| records.get(n))
 }
 
@@ -143,7 +144,8 @@ fn vertical(metadata: &Metadata, against: &Against) -> Result<Option<Vertical>, 
 }
 
 fn resample(name: &str) -> Result<Resample, ToolError> {
-    let kernels = [Resample::Auto, Resample::Nearest, Resample::Bilinear, Resample::Cubic, Resample::Lanczos, Resample::Average];
+    let kernels =
+        [Resample::Auto, Resample::Nearest, Resample::Bilinear, Resample::Cubic, Resample::Lanczos, Resample::Average];
     kernels.into_iter().find(|kernel| format!("{kernel:?}").eq_ignore_ascii_case(name)).ok_or_else(|| {
         ToolError::usage(
             format!("the file was resampled by {name:?}"),

@@ -24,9 +24,14 @@ impl<'a> Map<'a> {
     /// An index entry that cannot be.
     pub fn new(relief: &'a Relief, tiles: &'a Tiles<'a>) -> Result<Self, FormatError> {
         let grid = relief.grid();
-        let all: u64 = (0..=grid.root_level()).map(|level| u64::from(grid.tiles_x(level)) * u64::from(grid.tiles_y(level))).sum();
+        let all: u64 =
+            (0..=grid.root_level()).map(|level| u64::from(grid.tiles_x(level)) * u64::from(grid.tiles_y(level))).sum();
         let dense = relief.tile_count() as u64 == all;
-        let present = if dense { None } else { Some(relief.entries().map(|entry| Ok(entry?.key)).collect::<Result<_, FormatError>>()?) };
+        let present = if dense {
+            None
+        } else {
+            Some(relief.entries().map(|entry| Ok(entry?.key)).collect::<Result<_, FormatError>>()?)
+        };
         Ok(Self { relief, tiles, grid, present })
     }
 

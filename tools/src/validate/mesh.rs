@@ -18,7 +18,11 @@ pub(super) fn mesh(relief: &Relief, findings: &Findings) {
         }
     };
     if mesh.m != grid.m {
-        findings.add(Check::MeshDecodes, Place::default(), format!("the mesh is for m = {}, the header for {}", mesh.m, grid.m));
+        findings.add(
+            Check::MeshDecodes,
+            Place::default(),
+            format!("the mesh is for m = {}, the header for {}", mesh.m, grid.m),
+        );
         return;
     }
     let faults = check_mesh(&mesh, body);

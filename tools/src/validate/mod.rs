@@ -137,7 +137,8 @@ impl Run<'_> {
         drop(progress);
         if options.level == Level::Source {
             let progress = Progress::new("source", count, options.quiet);
-            let difference = source::source(&map, &options.against, options.memory_bytes, findings, || progress.step(1))?;
+            let difference =
+                source::source(&map, &options.against, options.memory_bytes, findings, || progress.step(1))?;
             self.source = Some(difference);
         }
         Ok(options.level)

@@ -36,7 +36,8 @@ fn tile(tiles: &Tiles<'_>, entry: &Entry, findings: &Findings, reported: &Report
     let (grid, body, key) = (relief.grid(), relief.body(), entry.key);
     let report = |error: FormatError| match error {
         FormatError::Tile { key, plane, error } => {
-            let first = reported.lock().unwrap_or_else(PoisonError::into_inner).insert((key.level, key.morton(), plane));
+            let first =
+                reported.lock().unwrap_or_else(PoisonError::into_inner).insert((key.level, key.morton(), plane));
             if first {
                 let check = if error == CodecError::Digest { Check::PlaneDigest } else { Check::PlaneDecodes };
                 findings.add(check, Place::tile(body, &grid, key), format!("{plane}: {error}"));

@@ -30,7 +30,9 @@ impl Progress {
             Shown::Nothing
         } else if std::io::stderr().is_terminal() {
             let bar = ProgressBar::new(total);
-            if let Ok(style) = ProgressStyle::with_template("{msg:>8} [{bar:30}] {percent:>3} %  {elapsed} gone, {eta} left") {
+            if let Ok(style) =
+                ProgressStyle::with_template("{msg:>8} [{bar:30}] {percent:>3} %  {elapsed} gone, {eta} left")
+            {
                 bar.set_style(style.progress_chars("=> "));
             }
             bar.set_message(name);

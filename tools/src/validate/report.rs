@@ -103,7 +103,8 @@ impl Report {
     /// A JUnit document: one test case for each rule up to the level asked for.
     #[must_use]
     pub fn junit(&self) -> String {
-        let cases: Vec<Case> = Check::ALL.iter().filter(|check| check.level() <= self.level).map(|&check| self.case(check)).collect();
+        let cases: Vec<Case> =
+            Check::ALL.iter().filter(|check| check.level() <= self.level).map(|&check| self.case(check)).collect();
         document(&self.file, &cases)
     }
 
@@ -120,6 +121,11 @@ impl Report {
         } else {
             (Outcome::Passed, lines())
         };
-        Case { class: format!("relief.{}", check.level().name()), name: format!("{} {}", check.code(), check.rule()), outcome, note }
+        Case {
+            class: format!("relief.{}", check.level().name()),
+            name: format!("{} {}", check.code(), check.rule()),
+            outcome,
+            note,
+        }
     }
 }

@@ -15,7 +15,12 @@ const LAST: usize = TILE_NODES - 1;
 ///
 /// # Errors
 /// When a tile does not decode.
-pub(super) fn seams(relief: &Relief, tiles: &Tiles<'_>, findings: &Findings, step: impl Fn() + Sync) -> Result<(), FormatError> {
+pub(super) fn seams(
+    relief: &Relief,
+    tiles: &Tiles<'_>,
+    findings: &Findings,
+    step: impl Fn() + Sync,
+) -> Result<(), FormatError> {
     let seams = Seams { relief, tiles, grid: relief.grid(), findings };
     (0..relief.tile_count()).into_par_iter().try_for_each(|n| {
         let key = relief.entry(n)?.key;
@@ -133,7 +138,9 @@ impl Seams<'_> {
         let header = self.relief.header();
         let (first, last) = (key.y == 0, key.y + 1 == self.grid.tiles_y(key.level));
         if !self.grid.plane {
-            for (here, side, pole_q) in [(first, Side::South, header.south_pole_q), (last, Side::North, header.north_pole_q)] {
+            for (here, side, pole_q) in
+                [(first, Side::South, header.south_pole_q), (last, Side::North, header.north_pole_q)]
+            {
                 if here {
                     let nodes = self.tiles.nodes(key)?;
                     self.edge(Check::Poles, key, side, |k| {
@@ -160,7 +167,8 @@ impl Seams<'_> {
                 }
             }
         }
-        let corners = [(key.x == 0 && first, (0, 0), header.south_pole_q), (east && last, (LAST, LAST), header.north_pole_q)];
+        let corners =
+            [(key.x == 0 && first, (0, 0), header.south_pole_q), (east && last, (LAST, LAST), header.north_pole_q)];
         for (_, node, corner_q) in corners.into_iter().filter(|(here, ..)| *here) {
             let q = at(&nodes, node);
             if q != corner_q {
@@ -182,7 +190,11 @@ impl Seams<'_> {
         let mut odd = nodes.filter(|&(i, j)| at(&ours, (2 * i, 2 * j)) != at(&parent, (x0 + i, y0 + j)));
         if let Some((i, j)) = odd.next() {
             let what = format!("marked differently from level {} ({} nodes)", key.level + 1, 1 + odd.count());
-            self.findings.add(Check::FilledParent, Place::node(self.relief.body(), &self.grid, key, (2 * i, 2 * j)), what);
+            self.findings.add(
+                Check::FilledParent,
+                Place::node(self.relief.body(), &self.grid, key, (2 * i, 2 * j)),
+                what,
+            );
         }
         Ok(())
     }

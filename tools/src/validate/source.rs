@@ -141,11 +141,19 @@ impl Compare<'_> {
         }
         if beyond > 0 {
             let (height_m, source_m) = (f64::from(nodes[worst]) * step_m, expected[worst]);
-            let what = format!("{height_m} m, the source has {source_m} m ({beyond} nodes beyond {} m)", self.bound_m + ALLOWANCE_M);
+            let what = format!(
+                "{height_m} m, the source has {source_m} m ({beyond} nodes beyond {} m)",
+                self.bound_m + ALLOWANCE_M
+            );
             self.findings.add(Check::SourceHeight, place(worst), what);
         }
         if let Some(&first) = marks.first() {
-            let what = format!("marked as filled: {}, the source says {} ({} nodes)", filled[first], !filled[first], marks.len());
+            let what = format!(
+                "marked as filled: {}, the source says {} ({} nodes)",
+                filled[first],
+                !filled[first],
+                marks.len()
+            );
             self.findings.add(Check::SourceFilled, place(first), what);
         }
         Ok(sum)

@@ -43,7 +43,9 @@ impl<'a> Summaries<'a> {
         let mut extremes = Field::new(core);
         let mut centres = Field::new(padded);
         let mut distances: Vec<Field<CellDistances>> = (1..=DISTANCE_LEVELS)
-            .map(|up| Field::new(Window::between(padded.x0 >> up, padded.x1() >> up, padded.y0 >> up, padded.y1() >> up)))
+            .map(|up| {
+                Field::new(Window::between(padded.x0 >> up, padded.x1() >> up, padded.y0 >> up, padded.y1() >> up))
+            })
             .collect();
         // Row by row, so that only one row of blocks is held where they are made up.
         let mut near = Near { summaries: self, row: None, held: HashMap::new(), last: None };
@@ -91,7 +93,9 @@ impl<'a> Summaries<'a> {
         let core = Window::new(x * self.side, y * self.side, side, side);
         let nodes = self.map.nodes(self.level, core.nodes())?;
         let corners = |x, y| [nodes.at(x, y), nodes.at(x + 1, y), nodes.at(x, y + 1), nodes.at(x + 1, y + 1)];
-        let range = |c: [i32; 4]| c.iter().fold(Extremes { min: c[0], max: c[0] }, |e, &q| Extremes { min: e.min.min(q), max: e.max.max(q) });
+        let range = |c: [i32; 4]| {
+            c.iter().fold(Extremes { min: c[0], max: c[0] }, |e, &q| Extremes { min: e.min.min(q), max: e.max.max(q) })
+        };
         let flat = |c: [i32; 4]| c.iter().all(|&q| q == c[0]);
         // Each level of interpolation rounds by at most half a step: 8 sixteenths.
         let rounding = 8 * self.level as i32;
@@ -110,7 +114,8 @@ impl<'a> Summaries<'a> {
         let distances = (0..DISTANCE_LEVELS).map(|index| {
             let up = index + 1;
             let window = Window::new(core.x0 >> up, core.y0 >> up, core.nx >> up, core.ny >> up);
-            let sources = Sources { nodes: &nodes, intervals: Some(&intervals), children: None, span: index, distances: None };
+            let sources =
+                Sources { nodes: &nodes, intervals: Some(&intervals), children: None, span: index, distances: None };
             cell_distances(&sources, window)
         });
         let distances = distances.collect();

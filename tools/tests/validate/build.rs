@@ -41,7 +41,8 @@ pub type Tiles = BTreeMap<TileKey, Planes>;
 
 /// Hills that close at the seam and at the poles of a map of h rows.
 pub fn hills(x: u32, y: u32, h: u32) -> i32 {
-    let (u, v) = (f64::from(x) * std::f64::consts::PI / f64::from(h), f64::from(y) * std::f64::consts::PI / f64::from(h));
+    let (u, v) =
+        (f64::from(x) * std::f64::consts::PI / f64::from(h), f64::from(y) * std::f64::consts::PI / f64::from(h));
     let pole = v.sin().abs();
     let bumps = (16.0 * u).sin() * (9.0 * v).cos() * 900.0 + (64.0 * u + 3.0 * v).cos() * 150.0;
     let grain = ((x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(40_503)) >> 13) % 23;
@@ -219,7 +220,15 @@ impl World {
             false => (corner(0, 0), corner(0, h)),
         };
         let mesh = mesh::encode_section(&self.mesh);
-        let spec = FileSpec { body: &self.body, m: self.m, step_exponent, south_pole_q, north_pole_q, metadata: &metadata, mesh: &mesh };
+        let spec = FileSpec {
+            body: &self.body,
+            m: self.m,
+            step_exponent,
+            south_pole_q,
+            north_pole_q,
+            metadata: &metadata,
+            mesh: &mesh,
+        };
         write(path, &spec, &entries, |k, out| {
             encoded[k].planes.iter().for_each(|plane| out.extend_from_slice(plane));
             Ok(())
@@ -263,7 +272,8 @@ impl Parts {
         let table = &bytes[HEADER_BYTES..HEADER_BYTES + rows];
         let end = (bytes.len() - TAIL_BYTES) as u64;
         let sections = Section::decode_table(table, (HEADER_BYTES + rows) as u64, end).unwrap();
-        let bodies = sections.iter().map(|s| bytes[s.offset as usize..(s.offset + s.length) as usize].to_vec()).collect();
+        let bodies =
+            sections.iter().map(|s| bytes[s.offset as usize..(s.offset + s.length) as usize].to_vec()).collect();
         Self { header, sections, bodies }
     }
 

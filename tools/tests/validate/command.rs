@@ -62,7 +62,10 @@ fn json_and_junit_name_the_place() {
     let finding = &json["findings"][0];
     assert_eq!((finding["code"].as_str(), finding["severity"].as_str()), (Some("RLF-N001"), Some("error")));
     let place = &finding["where"];
-    assert_eq!((place["level"].as_u64(), place["tile"][0].as_u64(), place["lon_deg"].as_f64()), (Some(0), Some(0), Some(0.0)));
+    assert_eq!(
+        (place["level"].as_u64(), place["tile"][0].as_u64(), place["lon_deg"].as_f64()),
+        (Some(0), Some(0), Some(0.0))
+    );
     let xml = std::fs::read_to_string(xml).unwrap();
     let cases = Check::ALL.iter().filter(|check| !check.code().starts_with("RLF-X")).count();
     assert_eq!(xml.matches("<testcase ").count(), cases);

@@ -156,9 +156,8 @@ fn with_index(bytes: &[u8], change: impl Fn(&mut Vec<Entry>), odd: impl Fn(&mut 
 fn every_rule_of_the_index() {
     let folder = Folder::new();
     let (_, bytes) = folder.good(&World::new(9));
-    let run = |change: &dyn Fn(&mut Vec<Entry>)| {
-        report_on(&folder, &with_index(&bytes, change, |_| ()), Level::Structure)
-    };
+    let run =
+        |change: &dyn Fn(&mut Vec<Entry>)| report_on(&folder, &with_index(&bytes, change, |_| ()), Level::Structure);
     assert_only(&run(&|_| ()), &[]);
     assert_only(&run(&|entries| entries[3].key = TileKey::new(0, 9, 0)), &[Check::IndexEntry, Check::TileBytes]);
     assert_only(&run(&|entries| entries[9].offset = 1 << 40), &[Check::IndexEntry, Check::TileBytes]);

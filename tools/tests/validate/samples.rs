@@ -13,13 +13,9 @@ fn right_files_have_no_findings() {
     let folder = Folder::new();
     let alps = World::sparse(11, &[(3, 2), (4, 2), (15, 7), (0, 7)]);
     let filled = World { filled: |x, y| x / 40 % 3 == 0 && y > 100, ..World::new(9) };
-    for (name, world) in [
-        ("m8", World::new(8)),
-        ("m9", World::new(9)),
-        ("plane", World::plane(9)),
-        ("sparse", alps),
-        ("filled", filled),
-    ] {
+    for (name, world) in
+        [("m8", World::new(8)), ("m9", World::new(9)), ("plane", World::plane(9)), ("sparse", alps), ("filled", filled)]
+    {
         let path = folder.path(name);
         world.write(&path, &world.tiles());
         let report = report(&path, Level::Semantic);
@@ -61,10 +57,10 @@ const COARSE: TileKey = TileKey::new(1, 0, 0);
 
 #[test]
 fn an_edge_that_differs_is_a_torn_seam() {
-    let torn = |key: TileKey, at: usize| {
-        changed(&World::new(9), |tiles| tiles.get_mut(&key).unwrap().nodes[at] += 2)
-    };
-    for (key, at) in [(FINE, node(256, 33)), (FINE, node(0, 33)), (FINE, node(33, 256)), (TileKey::new(0, 3, 1), node(256, 77))] {
+    let torn = |key: TileKey, at: usize| changed(&World::new(9), |tiles| tiles.get_mut(&key).unwrap().nodes[at] += 2);
+    for (key, at) in
+        [(FINE, node(256, 33)), (FINE, node(0, 33)), (FINE, node(33, 256)), (TileKey::new(0, 3, 1), node(256, 77))]
+    {
         let report = torn(key, at);
         assert!(report.has(Check::Seams), "{}", report.text());
         assert_eq!(report.counts[Check::Seams.code()], 1);
@@ -88,7 +84,8 @@ fn an_edge_beside_nothing_is_interpolated() {
 fn a_pole_is_one_node() {
     let south = changed(&World::new(9), |tiles| tiles.get_mut(&FINE).unwrap().nodes[node(33, 0)] += 1);
     assert!(south.has(Check::Poles), "{}", south.text());
-    let north = changed(&World::new(9), |tiles| tiles.get_mut(&TileKey::new(0, 2, 1)).unwrap().nodes[node(33, 256)] += 1);
+    let north =
+        changed(&World::new(9), |tiles| tiles.get_mut(&TileKey::new(0, 2, 1)).unwrap().nodes[node(33, 256)] += 1);
     assert!(north.has(Check::Poles), "{}", north.text());
     assert_eq!(north.findings[0].place.lat_deg, Some(90.0));
 }
@@ -146,7 +143,10 @@ fn derived_planes_are_rebuilt() {
     assert_only(&high, &[Check::DeviationHigh]);
     assert!(high.good);
     let place = &high.findings[0].place;
-    assert_eq!((place.lon_deg, place.lat_deg), (Some(-180.0 + 77.0 * 180.0 / 256.0), Some(-90.0 + 131.0 * 180.0 / 256.0)));
+    assert_eq!(
+        (place.lon_deg, place.lat_deg),
+        (Some(-180.0 + 77.0 * 180.0 / 256.0), Some(-90.0 + 131.0 * 180.0 / 256.0))
+    );
 }
 
 /// A node changed after everything was derived makes all derived planes wrong.
@@ -175,7 +175,8 @@ fn a_wrong_mesh_is_named() {
     assert_only(&mesh(|mesh| mesh.s_axis[3] += 1), &[Check::MeshAxis]);
     assert_only(&mesh(|mesh| drop(mesh.indices.drain(..3))), &[Check::MeshClosed, Check::MeshEuler]);
     assert!(mesh(|mesh| mesh.indices[61] = mesh.indices[60]).has(Check::MeshArea));
-    let paper = mesh(|mesh| *mesh = patch_mesh(&relief_formats::body::Body::earth(), &Grid::new(9, false), MeshLayout::Paper));
+    let paper =
+        mesh(|mesh| *mesh = patch_mesh(&relief_formats::body::Body::earth(), &Grid::new(9, false), MeshLayout::Paper));
     assert_only(&paper, &[]);
     let coarser = mesh(|mesh| {
         *mesh = patch_mesh(&relief_formats::body::Body::earth(), &Grid::new(8, false), MeshLayout::Aligned);

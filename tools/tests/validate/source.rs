@@ -15,7 +15,12 @@ use crate::assert_only;
 use crate::build::Folder;
 
 /// A GeoTIFF of n x n/2 cells over `bounds` (west, south, east, north).
-fn tif(path: &Path, (nx, ny): (usize, usize), [west, south, east, north]: [f64; 4], value: impl Fn(usize, usize) -> f32) -> String {
+fn tif(
+    path: &Path,
+    (nx, ny): (usize, usize),
+    [west, south, east, north]: [f64; 4],
+    value: impl Fn(usize, usize) -> f32,
+) -> String {
     let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
     let mut dataset = driver.create_with_band_type::<f32, _>(path, nx, ny, 1).unwrap();
     let (dx, dy) = ((east - west) / nx as f64, (north - south) / ny as f64);

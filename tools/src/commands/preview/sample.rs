@@ -5,8 +5,8 @@ use relief_formats::file::{FormatError, Relief};
 use relief_formats::geodesy::Ellipsoid;
 
 use crate::error::ToolError;
-use crate::source::SeaLevel;
 use crate::lattice::{Bounds, Lattice, PlaneChoice, Rectangle};
+use crate::source::SeaLevel;
 
 /// Where the samples of a picture lie. They are centres of pixels; row 0 is in the north.
 pub struct Canvas {
