@@ -103,7 +103,8 @@ class Bench:
         """Level 0 of a relief file as an integer GeoTIFF of heights / step_m: the same samples."""
         exported = self.folder / "nodes.tif"
         run(BAKE, "export", relief, "-o", exported, "--force")
-        heights = gdal.Open(str(exported)).GetRasterBand(1).ReadAsArray()
+        opened = gdal.Open(str(exported))  # a band dies with its dataset
+        heights = opened.GetRasterBand(1).ReadAsArray()
         q = heights.astype(np.float64) / step_m
         if not np.array_equal(q, np.rint(q)) or np.abs(q).max() > 32767:
             raise Failed(f"{relief}: exported heights are not 16-bit multiples of {step_m} m")

@@ -120,10 +120,10 @@ impl<'a> Tiles<'a> {
             return self.checked_samples(&entry, Plane::Nodes, samples);
         }
         let parent = self.parent(key)?;
-        let even = nodes::quarter(&*self.nodes(parent)?, key.quadrant());
+        let even = nodes::quarter(&self.nodes(parent)?, key.quadrant());
         let Some(entry) = entry else { return Ok(nodes::interpolate(&even, nodes::HALF)) };
         let mean = match key.level {
-            0 => Some(nodes::quarter(&*self.mip(parent)?, key.quadrant())),
+            0 => Some(nodes::quarter(&self.mip(parent)?, key.quadrant())),
             _ => None,
         };
         let samples = nodes::decode(self.relief.plane_bytes(&entry, Plane::Nodes), &even, mean.as_deref());
@@ -134,7 +134,7 @@ impl<'a> Tiles<'a> {
         let root = key.level == self.relief.grid().root_level();
         let mean = match root {
             true => None,
-            false => Some(nodes::quarter(&*self.mip(self.parent(key)?)?, key.quadrant())),
+            false => Some(nodes::quarter(&self.mip(self.parent(key)?)?, key.quadrant())),
         };
         let Some(entry) = self.relief.find(key)? else {
             let mean = mean.ok_or_else(|| FormatError::damaged("a tile of the coarsest level is missing"))?;

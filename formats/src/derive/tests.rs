@@ -11,7 +11,7 @@ use proptest::prelude::*;
 const CORE: Window = Window::new(-32, 64, 64, 96);
 
 fn padded(f: impl Fn(i32, i32) -> i32) -> Heights {
-    Field::from_fn(CORE.expand(padding(5)).nodes(), |x, y| f(x, y))
+    Field::from_fn(CORE.expand(padding(5)).nodes(), f)
 }
 
 fn block(heights: &Heights) -> Block {

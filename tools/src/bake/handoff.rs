@@ -1,6 +1,7 @@
 //! What a stage hands to the next: each block's summary, and the padded fields gathered from them.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use relief_formats::derive::deviation::{CellDistances, Sources, cell_distances};
@@ -116,12 +117,11 @@ impl<'a> Handoffs<'a> {
                 for (x, y) in [(x, y), (x - 1, y), (x, y - 1), (x - 1, y - 1)] {
                     let (x, y) = grid.home_cell(self.level, x, y);
                     let key = (x / SIDE, y / SIDE);
-                    if !blocks.contains_key(&key) {
-                        let block = match self.blocks.get(&key) {
+                    if let Entry::Vacant(place) = blocks.entry(key) {
+                        place.insert(match self.blocks.get(&key) {
                             Some(block) => Arc::clone(block),
                             None => Arc::new(self.made_up(key)?),
-                        };
-                        blocks.insert(key, block);
+                        });
                     }
                 }
             }

@@ -104,7 +104,7 @@ fn what_is_no_source_is_refused_with_a_remedy() {
     let backwards = SourceOptions { bounds: Some([10.0, 0.0, -10.0, 5.0]), ..given() };
     assert!(refusal(&bare, &backwards).contains("west < east"));
     let whole = SourceOptions { bounds: Some([-180.0, -90.0, 180.0, 90.0]), ..given() };
-    assert!(open_sources(&[bare.clone()], &whole).is_ok());
+    assert!(open_sources(std::slice::from_ref(&bare), &whole).is_ok());
     let placed = Tif::default().write(folder.path(), "placed.tif", |_, _| 1_i16);
     assert!(refusal(&placed, &whole).contains("leave --bounds out"));
     let band = SourceOptions { channel: Some("2".into()), ..given() };
@@ -185,7 +185,7 @@ fn damaged_exr_files_are_errors() {
     let bytes = fs::read(&path).unwrap();
     let outcome = |bytes: &[u8]| {
         fs::write(&path, bytes).unwrap();
-        let set = open_sources(&[path.clone()], &exr_options())?;
+        let set = open_sources(std::slice::from_ref(&path), &exr_options())?;
         set.sample(0, &Grid::new(8, false), &window(0, 0, 0, 64, 64))
     };
     assert!(outcome(&bytes).is_ok());
