@@ -29,6 +29,9 @@ const STAGE_LEVELS: u32 = 4;
 /// What deriving one block of the first stage and of a later one takes, measured and rounded up.
 const BLOCK_BYTES: [u64; 2] = [160 << 20, 380 << 20];
 
+/// What a summary holds for each cell of its level.
+const SUMMARY_BYTES: u64 = 40;
+
 /// Compares all tiles; `step` is called with the number of tiles done.
 ///
 /// # Errors
@@ -46,7 +49,8 @@ pub(super) fn derived(
         let stage = Stage { map, findings, first, levels: STAGE_LEVELS.min(root + 1 - first) };
         let block_bytes = BLOCK_BYTES[usize::from(first > 0)];
         // A quarter of the memory is the tile cache's.
-        let at_once = (memory_bytes / 4 * 3 / block_bytes).clamp(1, rayon::current_num_threads() as u64) as usize;
+        let free = (memory_bytes / 4 * 3).saturating_sub(summaries.as_ref().map_or(0, Summaries::cells) * SUMMARY_BYTES);
+        let at_once = (free / block_bytes).clamp(1, rayon::current_num_threads() as u64) as usize;
         let mut next = HashMap::new();
         for chunk in stage.blocks().chunks(at_once) {
             let done = chunk.par_iter().map(|&at| {

@@ -30,6 +30,11 @@ impl<'a> Summaries<'a> {
         Self { map, level, side, blocks }
     }
 
+    /// Cells of all summaries held.
+    pub fn cells(&self) -> u64 {
+        self.blocks.len() as u64 * (self.side as u64).pow(2)
+    }
+
     /// The base of a stage over `core`, padded by `pad` cells.
     ///
     /// # Errors
