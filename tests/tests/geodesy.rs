@@ -1,5 +1,7 @@
 //! Positions against GeographicLib's CartConvert, mesh edges against geodesics.
 
+#![allow(clippy::unwrap_used, reason = "a test ends at the first thing that goes wrong")]
+
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 

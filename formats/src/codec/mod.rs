@@ -14,6 +14,7 @@ pub mod mip;
 pub mod nodes;
 pub mod rans;
 pub mod residual;
+mod rows;
 pub mod tables;
 pub mod token;
 

@@ -10,6 +10,7 @@ use multiversion::multiversion;
 use super::CodecError;
 use super::bits::{BitReader, BitWriter};
 use super::rans::{Decoder, Encoder, slot_base};
+use super::rows::{Row, gather, put_rows, take_rows};
 use super::token::{
     ESCAPE_BITS, EVEN_SCALE, SCALES, TOKENS, low_bits, table_of, token_range, tokenize, unzigzag, zigzag,
 };
@@ -54,43 +55,6 @@ pub fn choose_scales(bucket: &[u8], residual: &[i32]) -> (usize, usize, [u8; BUC
 /// Set in a class's bucket count when row marks follow.
 const MARKED: u8 = 0x80;
 
-/// How a row of residuals is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Row {
-    /// Every sample.
-    Whole = 0,
-    /// Nothing: it equals the row before.
-    Repeat = 1,
-    /// Its first sample, which stands for all.
-    Constant = 2,
-}
-
-impl Row {
-    fn of(row: &[i32], before: Option<&[i32]>) -> Self {
-        if before == Some(row) {
-            Self::Repeat
-        } else if row.len() > 1 && row.iter().all(|&r| r == row[0]) {
-            Self::Constant
-        } else {
-            Self::Whole
-        }
-    }
-
-    /// Samples stored of a row of `width`.
-    fn stored(self, width: usize) -> usize {
-        match self {
-            Self::Whole => width,
-            Self::Repeat => 0,
-            Self::Constant => 1,
-        }
-    }
-}
-
-/// The stored samples of all rows, one after another.
-fn gather<'a>(rows: &'a [Row], samples: &'a [i32], width: usize) -> impl Iterator<Item = i32> + 'a {
-    rows.iter().zip(samples.chunks_exact(width)).flat_map(move |(row, s)| s[..row.stored(width)].iter().copied())
-}
-
 /// Writes a plane: its classes in order, then [`PlaneWriter::finish`].
 #[derive(Default)]
 pub struct PlaneWriter {
@@ -126,9 +90,7 @@ impl PlaneWriter {
         let marked = if rows.is_some() { MARKED } else { 0 };
         self.header.extend([first as u8, (last - first + 1) as u8 | marked]);
         self.header.extend(&scale[first..=last]);
-        for four in rows.unwrap_or_default().chunks(4) {
-            self.header.push(four.iter().rev().fold(0, |byte, &row| byte << 2 | row as u8));
-        }
+        put_rows(&mut self.header, rows.unwrap_or_default());
         self.rans.start_class(residual.len());
         for (&b, &r) in self.bucket.iter().zip(residual) {
             let t = scale[b as usize];
@@ -264,22 +226,6 @@ impl<'a> PlaneReader<'a> {
     }
 }
 
-/// Takes the marks of `count` rows; the first row has none before it to repeat.
-fn take_rows(header: &mut &[u8], count: usize) -> Result<Vec<Row>, CodecError> {
-    let (bytes, rest) = header.split_at_checked(count.div_ceil(4)).ok_or(CodecError::Truncated)?;
-    *header = rest;
-    (0..bytes.len() * 4)
-        .filter_map(|y| match (bytes[y / 4] >> (2 * (y % 4)) & 3, y) {
-            (0, y) if y >= count => None,
-            (_, y) if y >= count => Some(Err(CodecError::Trailing)),
-            (0, _) => Some(Ok(Row::Whole)),
-            (1, 1..) => Some(Ok(Row::Repeat)),
-            (2, _) => Some(Ok(Row::Constant)),
-            _ => Some(Err(CodecError::Range)),
-        })
-        .collect()
-}
-
 /// What a token of a scale stands for: z = base + the next raw bits.
 #[derive(Clone, Copy)]
 struct Reading {
@@ -368,14 +314,6 @@ mod tests {
         let one = there_and_back(&[(row.clone(), vec![5; 128])], 128);
         let all = there_and_back(&[(row.repeat(128), vec![5; 128 * 128])], 128);
         assert!(all <= one + 32 + 2, "{all} bytes against {one}");
-    }
-
-    #[test]
-    fn wrong_row_marks_are_refused() {
-        assert_eq!(take_rows(&mut &[1][..], 2), Err(CodecError::Range));
-        assert_eq!(take_rows(&mut &[3][..], 1), Err(CodecError::Range));
-        assert_eq!(take_rows(&mut &[0x10][..], 2), Err(CodecError::Trailing));
-        assert_eq!(take_rows(&mut &[][..], 1), Err(CodecError::Truncated));
     }
 
     #[test]

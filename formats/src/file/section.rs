@@ -63,7 +63,8 @@ impl Section {
                 hash: array(row, 32),
             };
             let stop = section.offset.checked_add(section.length);
-            if section.offset < last || !section.offset.is_multiple_of(ALIGNMENT) || stop.is_none_or(|stop| stop > end) {
+            if section.offset < last || !section.offset.is_multiple_of(ALIGNMENT) || stop.is_none_or(|stop| stop > end)
+            {
                 return Err(FormatError::damaged("a section lies outside the file or over another"));
             }
             let known = [META, MESH, INDEX, TILES].contains(&section.kind);

@@ -5,6 +5,7 @@ mod handoff;
 mod journal;
 mod plan;
 pub(crate) mod progress;
+mod provenance;
 mod record;
 mod run;
 mod stage;

@@ -16,9 +16,10 @@ use super::handoff::{Handoff, Handoffs};
 use super::journal::{Journal, Placed};
 use super::plan::{BLOCK_LEVELS, Plan};
 use super::progress::Progress;
+use super::provenance::{identity, metadata};
 use super::stage::{BlockKey, Finished, blocks, finish};
 use crate::error::ToolError;
-use crate::source::{SourceOptions, SourceSet, Vertical, open_sources};
+use crate::source::{SourceOptions, SourceSet, open_sources};
 
 /// Memory that a block takes while it is worked off.
 const BLOCK_BYTES: u64 = 120 << 20;
@@ -261,48 +262,6 @@ fn check_output(output: &Path, force: bool) -> Result<(), ToolError> {
         ));
     }
     Ok(())
-}
-
-fn metadata(sources: &SourceSet, plan: &Plan, options: &BakeOptions) -> Result<Metadata, ToolError> {
-    let records = sources.describe().iter().map(serde_json::to_value).collect::<Result<Vec<_>, _>>();
-    let vertical = match &options.source.vertical {
-        Some(Vertical::Ellipsoid) => "ellipsoid".to_string(),
-        Some(Vertical::Egm96) => "ellipsoid (EGM96 added)".to_string(),
-        Some(Vertical::Gtx(path)) => {
-            format!("ellipsoid ({} added)", path.file_name().unwrap_or_default().to_string_lossy())
-        }
-        Some(Vertical::AsGiven) => "as given".to_string(),
-        None => "as the source's CRS says".to_string(),
-    };
-    let versions = [
-        ("format", "1.0".to_string()),
-        ("gdal", gdal::version::VersionInfo::release_name()),
-        ("relief-bake", env!("CARGO_PKG_VERSION").to_string()),
-        ("zstd", zstd_version()),
-    ];
-    Ok(Metadata {
-        body: sources.body.clone(),
-        vertical,
-        sources: records.map_err(|e| ToolError::usage(format!("metadata: {e}"), "it is JSON", "report this"))?,
-        resampling: format!("{:?}", options.source.resample).to_lowercase(),
-        fill: format!("{:?}", options.source.fill).to_lowercase(),
-        bound_m: plan.step_m() / 2.0,
-        versions: versions.map(|(name, version)| (name.to_string(), version)).into(),
-    })
-}
-
-fn zstd_version() -> String {
-    let n = relief_formats::codec::zstd_version_number();
-    format!("{}.{}.{}", n / 10_000, n / 100 % 100, n % 100)
-}
-
-/// Hashes everything that decides the file's bytes; threads and memory do not.
-fn identity(metadata: &Metadata, plan: &Plan, options: &BakeOptions) -> Result<[u8; 32], ToolError> {
-    let source = SourceOptions { threads: 0, memory_bytes: 0, ..options.source.clone() };
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&metadata.encode().map_err(ToolError::of_file(&options.output))?);
-    hasher.update(format!("{:?} {} {:?} {:?}", plan.grid, plan.step_exponent, options.layout, source).as_bytes());
-    Ok(*hasher.finalize().as_bytes())
 }
 
 fn io_error(action: &'static str, path: &Path, error: std::io::Error) -> ToolError {

@@ -49,7 +49,8 @@ pub(super) fn derived(
         let stage = Stage { map, findings, first, levels: STAGE_LEVELS.min(root + 1 - first) };
         let block_bytes = BLOCK_BYTES[usize::from(first > 0)];
         // A quarter of the memory is the tile cache's.
-        let free = (memory_bytes / 4 * 3).saturating_sub(summaries.as_ref().map_or(0, Summaries::cells) * SUMMARY_BYTES);
+        let free =
+            (memory_bytes / 4 * 3).saturating_sub(summaries.as_ref().map_or(0, Summaries::cells) * SUMMARY_BYTES);
         let at_once = (free / block_bytes).clamp(1, rayon::current_num_threads() as u64) as usize;
         let mut next = HashMap::new();
         for chunk in stage.blocks().chunks(at_once) {
