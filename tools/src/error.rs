@@ -44,7 +44,7 @@ pub enum ToolError {
         remedy: String,
     },
     /// A `.relief` file cannot be opened, read or written.
-    #[error("{path}: {error}\n  remedy: {remedy}", path = path.display(), remedy = format_remedy(error))]
+    #[error("{path}: {error}\n  rule: {rule}\n  remedy: {remedy}", path = path.display(), rule = format_rule(error), remedy = format_remedy(error))]
     File {
         /// The file.
         path: PathBuf,
@@ -80,6 +80,17 @@ impl ToolError {
     /// For `map_err` on what the formats crate says of the file at `path`.
     pub fn of_file(path: &std::path::Path) -> impl Fn(relief_formats::file::FormatError) -> Self + Copy + '_ {
         move |error| Self::File { path: path.to_path_buf(), error }
+    }
+}
+
+fn format_rule(error: &relief_formats::file::FormatError) -> &'static str {
+    use relief_formats::file::FormatError;
+    match error {
+        FormatError::Io { .. } => "the file can be read or written",
+        FormatError::NotRelief(_) => "a .relief file starts with its signature and a whole header",
+        FormatError::Unsupported(_) => "a reader knows every required feature of a file",
+        FormatError::Damaged(_) | FormatError::Tile { .. } => "a file is as it was published, to the last bit",
+        FormatError::Request(_) => "a file answers for the levels, tiles and places it has",
     }
 }
 
