@@ -1,0 +1,1 @@
+//! Adaptive relief and exact shadows, from a `.relief` file and a camera.

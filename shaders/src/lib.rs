@@ -1,0 +1,10 @@
+//! WGSL kernels for planetary relief, their twins on the CPU, and what both share.
+//!
+//! Each file of `wgsl/lib/` has a twin of the same name here: the same functions, in f32, in the
+//! same order of work. The twins are the reference in the tests and the backend without a GPU.
+
+pub mod angle;
+pub mod kernels;
+pub mod pages;
+pub mod planet;
+pub mod position;
