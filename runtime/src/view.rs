@@ -55,10 +55,9 @@ impl View {
         let tan_x = tan_y * f64::from(self.width) / f64::from(self.height);
         let focal_px = f64::from(self.height) / (2.0 * tan_y);
         let (n0_m, w0) = match planet.ellipsoid() {
-            Some(e) => (
-                e.prime_vertical_radius_m(frame.lat_rad),
-                (1.0 - e.e2() * frame.sin_lat * frame.sin_lat).sqrt(),
-            ),
+            Some(e) => {
+                (e.prime_vertical_radius_m(frame.lat_rad), (1.0 - e.e2() * frame.sin_lat * frame.sin_lat).sqrt())
+            }
             None => (0.0, 1.0),
         };
         let high_m = camera.height_m as f32;

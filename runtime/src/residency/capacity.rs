@@ -1,6 +1,9 @@
 //! How many pages an atlas holds.
 
 use relief_shaders::pages::{BOUND_WORDS, HEIGHT_WORDS};
+use relief_shaders::planet as shared;
+
+use crate::planet::Planet;
 
 /// Bytes of a slot in both of its buffers.
 pub const SLOT_BYTES: u64 = 4 * (HEIGHT_WORDS as u64 + BOUND_WORDS as u64);
@@ -57,6 +60,12 @@ impl Capacity {
     #[must_use]
     pub fn seen_bits(&self) -> u32 {
         self.table_bits().max(12)
+    }
+
+    /// What kernels are told of a planet, with the sizes of these tables.
+    #[must_use]
+    pub fn uniform(&self, planet: &Planet) -> shared::Planet {
+        shared::Planet { table_bits: self.table_bits(), seen_bits: self.seen_bits(), ..planet.uniform() }
     }
 }
 

@@ -91,11 +91,7 @@ impl<S: Store> Resident<S> {
     /// A damaged tile of the coarsest level: without it nothing can be shown.
     pub fn new(planet: Arc<Planet>, capacity: Capacity, store: S) -> Result<Self, FormatError> {
         let grid = planet.grid();
-        let uniform = shared::Planet {
-            table_bits: capacity.table_bits(),
-            seen_bits: capacity.seen_bits(),
-            ..planet.uniform()
-        };
+        let uniform = capacity.uniform(&planet);
         let mut resident = Self {
             slots: Slots::new(grid, capacity.slots(), capacity.table_bits()),
             loader: Loader::new(Arc::clone(&planet)),

@@ -43,9 +43,9 @@ impl Decoder {
         let heights: Vec<f32> = nodes.iter().map(|&q| metres(q)).collect();
         let mut bounds: Vec<u32> =
             extremes.iter().flat_map(|e| [metres(e.min), metres(e.max)]).map(f32::to_bits).collect();
-        bounds.extend(codes.chunks(4).map(|chunk| {
-            chunk.iter().rev().fold(0, |word, &code| (word << 8) | u32::from(code))
-        }));
+        bounds.extend(
+            codes.chunks(4).map(|chunk| chunk.iter().rev().fold(0, |word, &code| (word << 8) | u32::from(code))),
+        );
         bounds.resize(BOUND_WORDS as usize, 0);
         debug_assert!(heights.len() == HEIGHT_WORDS as usize && extremes.len() * 2 == EXTREME_WORDS as usize);
         Ok(Page { heights, bounds })

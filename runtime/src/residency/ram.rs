@@ -56,8 +56,7 @@ impl Resident<Ram> {
     /// Takes the record of the pages that twins asked for and hands it to [`Resident::ask`].
     pub fn ask_seen(&mut self) -> usize {
         let seen = &self.store().seen;
-        let keys: Vec<u32> =
-            seen.iter().filter_map(|cell| cell.swap(0, Ordering::Relaxed).checked_sub(1)).collect();
+        let keys: Vec<u32> = seen.iter().filter_map(|cell| cell.swap(0, Ordering::Relaxed).checked_sub(1)).collect();
         self.ask(keys)
     }
 }

@@ -26,14 +26,14 @@ fn kernels_read_what_the_file_holds() {
     let uniform = planet.uniform();
     for key in [TileKey::new(2, 1, 0), TileKey::new(1, 3, 1), TileKey::new(0, 5, 2)] {
         let page = decoder.page(key).unwrap();
-        let pages =
-            Pages { planet: &uniform, table: &[], heights: &page.heights, bounds: &page.bounds, seen: &[] };
+        let pages = Pages { planet: &uniform, table: &[], heights: &page.heights, bounds: &page.bounds, seen: &[] };
         let codes = planet.tiles().deviations(key).unwrap().unwrap();
         for (row, column) in (0..NODES).flat_map(|row| (0..NODES).map(move |column| (row, column))) {
             let step = 1 << key.level;
             let (i, j) = ((key.x * CELLS + column) * step, (key.y * CELLS + row) * step);
             let q = wavy_q(planet.grid(), i, j);
-            let spike = if (1..planet.grid().height(0)).contains(&j) && i % 2048 % 61 == 7 && j % 53 == 9 { 90_000 } else { 0 };
+            let spike =
+                if (1..planet.grid().height(0)).contains(&j) && i % 2048 % 61 == 7 && j % 53 == 9 { 90_000 } else { 0 };
             assert_eq!(pages.node_m(0, column, row), (q + spike) as f32 / 16.0);
             let code = codes[(row * NODES + column) as usize];
             assert_eq!(pages.deviation_m(0, column, row), decode_deviation(code) / 16.0);

@@ -37,7 +37,10 @@ fn run(capacity: u32, plane: bool, steps: &[(u8, u32)]) -> Result<(), TestCaseEr
                 if slots.enter(key).is_some() {
                     mark(&slots, key, &mut used);
                 } else {
-                    prop_assert!(before.len() as u32 == capacity && before.iter().all(|k| used.contains(k) || rested_on(grid, *k, key)));
+                    prop_assert!(
+                        before.len() as u32 == capacity
+                            && before.iter().all(|k| used.contains(k) || rested_on(grid, *k, key))
+                    );
                 }
                 let after: HashSet<TileKey> = slots.held.keys().copied().collect();
                 for gone in before.difference(&after) {
@@ -61,12 +64,8 @@ fn rested_on(grid: Grid, key: TileKey, by: TileKey) -> bool {
 }
 
 fn check(grid: Grid, slots: &Slots, capacity: u32) -> Result<(), TestCaseError> {
-    let planet = Planet {
-        table_bits: 10,
-        root_level: grid.root_level(),
-        plane: u32::from(grid.plane),
-        ..Planet::default()
-    };
+    let planet =
+        Planet { table_bits: 10, root_level: grid.root_level(), plane: u32::from(grid.plane), ..Planet::default() };
     let pages = Pages { planet: &planet, table: slots.table(), heights: &[], bounds: &[], seen: &[] };
     let mut taken = HashSet::new();
     for level in 0..=grid.root_level() {
