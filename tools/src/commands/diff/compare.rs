@@ -27,7 +27,7 @@ impl<'a> Side<'a> {
         Self { path, tiles: Tiles::new(relief, CACHE_BYTES) }
     }
 
-    pub fn relief(&self) -> &'a Relief {
+    pub fn relief(&self) -> &Relief {
         self.tiles.relief()
     }
 
