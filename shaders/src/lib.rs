@@ -8,3 +8,5 @@ pub mod kernels;
 pub mod pages;
 pub mod planet;
 pub mod position;
+pub mod ray;
+pub mod shadow;

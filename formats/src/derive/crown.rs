@@ -111,14 +111,10 @@ impl Map<'_> {
     fn deviation(&self, x: i32, y: i32, step: i32, centre: bool) -> f64 {
         let triangles = match (centre, (x & step) != 0) {
             // The diagonal goes south-west to north-east where the cell's indices have an even sum.
-            (true, _) if (x / (2 * step) + y / (2 * step)) % 2 == 0 => [
-                [(-step, -step), (step, step), (step, -step)],
-                [(-step, -step), (step, step), (-step, step)],
-            ],
-            (true, _) => [
-                [(step, -step), (-step, step), (step, step)],
-                [(step, -step), (-step, step), (-step, -step)],
-            ],
+            (true, _) if (x / (2 * step) + y / (2 * step)) % 2 == 0 => {
+                [[(-step, -step), (step, step), (step, -step)], [(-step, -step), (step, step), (-step, step)]]
+            }
+            (true, _) => [[(step, -step), (-step, step), (step, step)], [(step, -step), (-step, step), (-step, -step)]],
             (false, true) => [[(-step, 0), (step, 0), (0, step)], [(-step, 0), (step, 0), (0, -step)]],
             (false, false) => [[(0, -step), (0, step), (step, 0)], [(0, -step), (0, step), (-step, 0)]],
         };
@@ -212,7 +208,8 @@ mod tests {
         };
         let mut stray = false;
         let mut check = |v: (i64, i64), corners: [(i64, i64); 3]| {
-            let bound = f64::from(decode_deviation(codes[v.1 as usize * columns + v.0.rem_euclid(columns as i64) as usize]));
+            let bound =
+                f64::from(decode_deviation(codes[v.1 as usize * columns + v.0.rem_euclid(columns as i64) as usize]));
             let h = corners.map(|(x, y)| height(x, y));
             for i in 0..=8 {
                 for j in 0..=8 - i {
