@@ -6,6 +6,9 @@
 pub mod angle;
 pub mod frame;
 pub mod kernels;
+pub mod leb;
 pub mod pages;
 pub mod planet;
 pub mod position;
+pub mod ray;
+pub mod shadow;

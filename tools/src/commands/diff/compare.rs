@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::map::Map;
 use super::tile::{TileDiff, compare_tile};
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// One of the two files.
 pub struct Side<'a> {
