@@ -30,18 +30,13 @@ fn plain(m: u32) -> TestPlanet {
 
 /// All checks on one view.
 fn check(planet: &TestPlanet, pages: &PageSet, what: &str, camera: Camera, complete: bool) {
-    let clock = std::time::Instant::now();
     let scene = Scene::new(planet, pages, camera);
-    eprintln!("{what}: made {:?}", clock.elapsed());
     if let Err(why) = watertight(&scene) {
         panic!("{what}: {why}");
     }
-    eprintln!("{what}: tight {:?}", clock.elapsed());
     let position = position_error(&scene).unwrap_or_else(|why| panic!("{what}: {why}"));
     assert!(position < 1e-6, "{what}: a position is off by {position:e} of its distance; {camera:?}");
-    eprintln!("{what}: pos {:?}", clock.elapsed());
     let worst = bounded(&scene, 2000, 7).unwrap_or_else(|why| panic!("{what}: {why}"));
-    eprintln!("{what}: bounded {:?}", clock.elapsed());
     if complete {
         assert!(worst.excess_px <= 0.0, "{what}: {worst:?} {camera:?}");
     }
