@@ -9,3 +9,5 @@ pub mod leb;
 pub mod pages;
 pub mod planet;
 pub mod position;
+pub mod ray;
+pub mod shadow;
