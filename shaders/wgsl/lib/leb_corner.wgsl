@@ -1,4 +1,4 @@
-// A corner of a relief triangle. Twin: src/frame/mod.rs.
+// A corner of a relief triangle. Twin: src/leb/tessellate.rs.
 
 struct Corner {
     s: u32,
