@@ -74,21 +74,87 @@ fn the_gpu_draws_what_the_twins_draw() {
     let planet = support::planet(&Sample::new(Body::earth(), 10));
     let (mut gpu, mut cpu) = (gpu(&device, &planet), Cpu::new(Arc::clone(&planet), ATLAS_BYTES).unwrap());
     let mut frames = Vec::new();
+    let adaptive = Settings { places: true, ..Settings::default() };
+    let uniform = Settings { scheme: Scheme::Uniform { level: 2 }, ..adaptive };
+    let marked = Settings { overlay: Overlay::Detail, ..adaptive };
     for (n, view) in views().iter().enumerate() {
-        for (scheme, overlay) in [(Scheme::Leb, Overlay::None), (Scheme::Uniform { level: 1 }, Overlay::Detail)] {
-            let settings = Settings { scheme, overlay, places: true };
+        // Marks along sides are a pixel wide, and derivatives of small triangles coarse.
+        for (settings, colour) in [(adaptive, 1e-3), (uniform, 1e-3), (marked, 2e-2)] {
             let [a, b] = [&mut gpu as &mut dyn Renderer, &mut cpu]
                 .map(|renderer| renderer.render_until_complete(view, &settings, LONG).unwrap());
             assert_eq!((a.stats.tiles_missing, b.stats.tiles_missing), (0, 0));
+            assert!(!a.stats.overflow && !b.stats.overflow);
             let apart = difference(&a, &b, FOCAL_PX);
-            eprintln!("view {n} {scheme:?}: {apart:?}; {:?} {:?}", a.stats, b.stats);
-            assert!(apart.places < 2e-3 && apart.colour < 4e-3 && apart.distance < 2e-3, "view {n} {scheme:?}: {apart:?}");
-            let triangles = [a.stats.triangles, b.stats.triangles].map(|n| n as f64);
-            assert!((triangles[0] / triangles[1] - 1.0).abs() < 2e-3, "{triangles:?}");
+            eprintln!("view {n} {settings:?}: {apart:?}");
+            assert!(apart.places < 1e-3 && apart.colour < colour && apart.distance < 1e-3, "view {n}: {apart:?}");
+            if settings.scheme == Scheme::Leb {
+                assert_eq!(a.stats.triangles, b.stats.triangles);
+            }
             frames.push(a);
         }
     }
     // The comparison sees a difference where there is one.
-    let apart = difference(&frames[0], &frames[2], FOCAL_PX);
+    let apart = difference(&frames[0], &frames[3], FOCAL_PX);
     assert!(apart.places > 0.3 && apart.colour > 0.3 && apart.distance > 0.3, "{apart:?}");
+}
+
+#[test]
+fn pixels_do_not_depend_on_the_order_of_loading() {
+    let Some(device) = support::device() else { return };
+    let planet = support::planet(&Sample::new(Body::earth(), 11));
+    let [first, second, third, _] = <[View; 4]>::try_from(views()).unwrap();
+    let frame = |gpu: &mut Gpu, view: &View| {
+        let frame = gpu.render_until_complete(view, &Settings::default(), LONG).unwrap();
+        assert_eq!(frame.stats.tiles_missing, 0);
+        frame
+    };
+    let mut fresh = gpu(&device, &planet);
+    let expected = frame(&mut fresh, &second);
+    // Few slots, other views before, and a tile at a time.
+    let mut used = Gpu::new(&device, Arc::clone(&planet), 70 * 462_000).unwrap();
+    frame(&mut used, &third);
+    frame(&mut used, &first);
+    while used.render(&second, &Settings::default()).unwrap().stats.tiles_missing > 0 {
+        used.update(Duration::from_micros(1));
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let found = frame(&mut used, &second);
+    assert!(expected.colour == found.colour && expected.distance_m == found.distance_m);
+    assert!(expected.normal == found.normal && expected.lit == found.lit);
+    assert_ne!(expected.colour, frame(&mut used, &first).colour);
+}
+
+#[test]
+fn views_that_cannot_be_drawn_are_refused_and_others_go_on() {
+    let Some(device) = support::device() else { return };
+    let planet = support::planet(&Sample::new(Body::earth(), 8));
+    let mut gpu = gpu(&device, &planet);
+    let good = views()[0];
+    let side = device.wgpu().limits().max_texture_dimension_2d;
+    let bad: [fn(&mut View, u32); 4] = [
+        |view, _| view.camera.height_m = f64::NAN,
+        |view, _| view.width = 0,
+        |view, side| view.width = side + 1,
+        |view, side| (view.width, view.height) = (side, side),
+    ];
+    for change in bad {
+        let mut view = good;
+        change(&mut view, side);
+        let error = gpu.render(&view, &Settings::default()).unwrap_err();
+        assert!(matches!(error, RenderError::View(ViewError::Number { .. } | ViewError::Size { .. })), "{error}");
+    }
+    assert!(gpu.render(&good, &Settings::default()).is_ok());
+}
+
+#[test]
+fn a_lost_device_is_an_error_and_views_on_another_go_on() {
+    let Some(device) = support::device() else { return };
+    let planet = support::planet(&Sample::new(Body::earth(), 8));
+    let mut lost = gpu(&device, &planet);
+    assert!(lost.render(&views()[0], &Settings::default()).is_ok());
+    device.wgpu().destroy();
+    let error = lost.render(&views()[0], &Settings::default()).unwrap_err();
+    assert!(matches!(error, RenderError::Device(DeviceError::Lost(_))), "{error}");
+    let Some(device) = support::device() else { return };
+    assert!(gpu(&device, &planet).render(&views()[0], &Settings::default()).is_ok());
 }
