@@ -6,7 +6,7 @@ use super::deviation::{Sources, centres, deviations};
 use super::field::{Field, Window};
 use super::local::local_deviation;
 use super::oracle::{Heights, Truth, judge, noise, ratio, terrain};
-use super::virtual_cells::virtual_centres;
+use super::virtual_cells::{raise_interpolated, virtual_centres};
 use proptest::prelude::*;
 
 /// Off the origin, so that both signs and both parities of a cell's indices occur.
@@ -334,6 +334,46 @@ proptest! {
             }
         }
         prop_assert_eq!(local_deviation(&nodes, 9).unwrap(), codes);
+    }
+}
+
+/// Level-3 cells that level 2 on only interpolates, rounded level by level, beside cells with noise.
+#[test]
+fn centres_above_interpolation_hold_all_below() {
+    let core = Window::new(0, 0, 48, 48);
+    let rough = |x: i32, y: i32| x < 0 || y < 8;
+    for (seed, bits) in [(1, 3), (2, 9), (3, 20)] {
+        let noisy = |x: i32, y: i32, bits: u32| (noise(x, y, seed) >> (64 - bits)) as i32 - (1 << (bits - 1));
+        let mut heights = Field::from_fn(core.expand(32).nodes(), |x, y| noisy(x, y, bits));
+        for level in [2, 1, 0] {
+            let up = 2 << level;
+            let coarse = heights.clone();
+            let between = |v: i32| (v.div_euclid(up) * up, (v + up - 1).div_euclid(up) * up);
+            heights = Field::from_fn(coarse.window(), |x, y| {
+                if (x | y) % (1 << level) != 0 || rough(x - 1, y - 1) {
+                    return coarse.at(x, y);
+                }
+                let ((w, e), (s, n)) = (between(x), between(y));
+                (coarse.at(w, s) + coarse.at(e, s) + coarse.at(w, n) + coarse.at(e, n) + 2) >> 2
+            });
+        }
+        let nodes = heights.decimate().decimate().decimate();
+        let cells = Window::new(-2, -2, 9, 9);
+        let mut truth = Truth::new(&heights, 2);
+        let known = |x: i32, y: i32| rough(8 * x, 8 * y);
+        let mut exact = |x: i32, y: i32| truth.saturated((2, 2 * x + 1, 2 * y + 1));
+        let mut codes = Field::from_fn(cells, |x, y| match known(x, y) {
+            true => encode_deviation(exact(x, y) as f32),
+            false => 0,
+        });
+        raise_interpolated(&mut codes, &nodes, 8 * 3, |x, y| !known(x, y));
+        let mut raised = 0;
+        for (x, y) in (1..6).flat_map(|y| (0..6).map(move |x| (x, y))) {
+            let (bound, exact) = (f64::from(decode_deviation(codes.at(x, y))), exact(x, y));
+            assert!(bound >= exact, "({x}, {y}) at {bits} bits: {bound} below {exact}");
+            raised += u32::from(exact > 0.0);
+        }
+        assert!(raised > 12, "{raised}");
     }
 }
 

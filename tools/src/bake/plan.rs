@@ -67,8 +67,8 @@ impl Plan {
         let mut levels: Vec<BTreeSet<TileKey>> = vec![every.map(|(x, y)| TileKey::new(root, x, y)).collect()];
         for level in (0..root).rev() {
             let parents = levels.last().into_iter().flatten();
-            let quadrants = parents
-                .flat_map(|p| (0..4).map(move |q| TileKey::new(level, 2 * p.x + (q & 1), 2 * p.y + (q >> 1))));
+            let quadrants =
+                parents.flat_map(|p| (0..4).map(move |q| TileKey::new(level, 2 * p.x + (q & 1), 2 * p.y + (q >> 1))));
             let keys = quadrants.filter(|&key| self.has_source(sources, key)).collect();
             levels.push(keys);
         }
