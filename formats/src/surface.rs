@@ -49,7 +49,7 @@ impl<'a> Surface<'a> {
 
     /// The file.
     #[must_use]
-    pub fn relief(&self) -> &'a Relief {
+    pub fn relief(&self) -> &Relief {
         self.tiles.relief()
     }
 

@@ -18,9 +18,14 @@ const TILE_BYTES: u64 = (TILE_NODES * TILE_NODES * size_of::<i32>()) as u64;
 
 /// A file's tiles, decoded on demand and kept within a budget. Shared by any number of threads.
 pub struct Tiles<'a> {
-    relief: &'a Relief,
+    relief: File<'a>,
     cache: Cache<(TileKey, Plane), Samples, OneTile>,
     verify: bool,
+}
+
+enum File<'a> {
+    Borrowed(&'a Relief),
+    Shared(Arc<Relief>),
 }
 
 #[derive(Clone)]
@@ -32,11 +37,23 @@ impl Weighter<(TileKey, Plane), Samples> for OneTile {
     }
 }
 
+impl Tiles<'static> {
+    /// [`Tiles::new`] for a file that has other owners too.
+    #[must_use]
+    pub fn shared(relief: Arc<Relief>, cache_bytes: u64) -> Self {
+        Self::over(File::Shared(relief), cache_bytes)
+    }
+}
+
 impl<'a> Tiles<'a> {
     /// Tiles of a file, keeping up to `cache_bytes` of decoded samples. Every decoded plane is
     /// checked against its digest.
     #[must_use]
     pub fn new(relief: &'a Relief, cache_bytes: u64) -> Self {
+        Self::over(File::Borrowed(relief), cache_bytes)
+    }
+
+    fn over(relief: File<'a>, cache_bytes: u64) -> Self {
         let capacity = cache_bytes.max(64 * TILE_BYTES);
         let cache = Cache::with_weighter((capacity / TILE_BYTES) as usize, capacity, OneTile);
         Self { relief, cache, verify: true }
@@ -51,8 +68,11 @@ impl<'a> Tiles<'a> {
 
     /// The file.
     #[must_use]
-    pub fn relief(&self) -> &'a Relief {
-        self.relief
+    pub fn relief(&self) -> &Relief {
+        match &self.relief {
+            File::Borrowed(relief) => relief,
+            File::Shared(relief) => relief,
+        }
     }
 
     /// Heights of S_0 at a tile's nodes; between the coarser level's where the tile is absent.
@@ -71,25 +91,25 @@ impl<'a> Tiles<'a> {
     /// Bounds of S_0 over the tile's 2 x 2 cells, 128 x 128.
     pub fn extremes(&self, key: TileKey) -> Result<Vec<Extremes>, FormatError> {
         let samples = self.nodes(key)?;
-        let Some(entry) = self.relief.find(key)? else { return Ok(hext::of_nodes(&samples)) };
-        let bounds = hext::decode(self.relief.plane_bytes(&entry, Plane::Hext), &samples);
+        let Some(entry) = self.relief().find(key)? else { return Ok(hext::of_nodes(&samples)) };
+        let bounds = hext::decode(self.relief().plane_bytes(&entry, Plane::Hext), &samples);
         self.checked(&entry, Plane::Hext, bounds, |b| digest(&hext_bytes(b)))
     }
 
     /// Deviation codes of the tile's new nodes, 257 x 257, 0 at the others; see
     /// [`crate::derive::decode_deviation`]. None for an absent tile: it is never refined.
     pub fn deviations(&self, key: TileKey) -> Result<Option<Vec<u8>>, FormatError> {
-        let Some(entry) = self.relief.find(key)? else { return Ok(None) };
+        let Some(entry) = self.relief().find(key)? else { return Ok(None) };
         let samples = self.nodes(key)?;
-        let codes = deviation::decode(self.relief.plane_bytes(&entry, Plane::Deviation), &samples);
+        let codes = deviation::decode(self.relief().plane_bytes(&entry, Plane::Deviation), &samples);
         self.checked(&entry, Plane::Deviation, codes, |c| digest(c)).map(Some)
     }
 
     /// Which of a tile's nodes are filled; between nodes of which one is filled, an absent tile's
     /// are too.
     pub fn filled(&self, key: TileKey) -> Result<Vec<bool>, FormatError> {
-        if let Some(entry) = self.relief.find(key)? {
-            let bits = filled::decode(self.relief.plane_bytes(&entry, Plane::Filled));
+        if let Some(entry) = self.relief().find(key)? {
+            let bits = filled::decode(self.relief().plane_bytes(&entry, Plane::Filled));
             return self.checked(&entry, Plane::Filled, bits, |b| digest(&filled::pack(b)));
         }
         let parent = self.filled(self.parent(key)?)?;
@@ -105,7 +125,7 @@ impl<'a> Tiles<'a> {
     }
 
     fn parent(&self, key: TileKey) -> Result<TileKey, FormatError> {
-        if key.level < self.relief.grid().root_level() {
+        if key.level < self.relief().grid().root_level() {
             Ok(key.parent())
         } else {
             Err(FormatError::damaged("a tile of the coarsest level is missing"))
@@ -113,10 +133,10 @@ impl<'a> Tiles<'a> {
     }
 
     fn decode_nodes(&self, key: TileKey) -> Result<Vec<i32>, FormatError> {
-        let entry = self.relief.find(key)?;
-        if key.level == self.relief.grid().root_level() {
+        let entry = self.relief().find(key)?;
+        if key.level == self.relief().grid().root_level() {
             let entry = entry.ok_or_else(|| FormatError::damaged("a tile of the coarsest level is missing"))?;
-            let samples = nodes::decode_root(self.relief.plane_bytes(&entry, Plane::Nodes));
+            let samples = nodes::decode_root(self.relief().plane_bytes(&entry, Plane::Nodes));
             return self.checked_samples(&entry, Plane::Nodes, samples);
         }
         let parent = self.parent(key)?;
@@ -126,22 +146,22 @@ impl<'a> Tiles<'a> {
             0 => Some(nodes::quarter(&self.mip(parent)?, key.quadrant())),
             _ => None,
         };
-        let samples = nodes::decode(self.relief.plane_bytes(&entry, Plane::Nodes), &even, mean.as_deref());
+        let samples = nodes::decode(self.relief().plane_bytes(&entry, Plane::Nodes), &even, mean.as_deref());
         self.checked_samples(&entry, Plane::Nodes, samples)
     }
 
     fn decode_mip(&self, key: TileKey) -> Result<Vec<i32>, FormatError> {
-        let root = key.level == self.relief.grid().root_level();
+        let root = key.level == self.relief().grid().root_level();
         let mean = match root {
             true => None,
             false => Some(nodes::quarter(&self.mip(self.parent(key)?)?, key.quadrant())),
         };
-        let Some(entry) = self.relief.find(key)? else {
+        let Some(entry) = self.relief().find(key)? else {
             let mean = mean.ok_or_else(|| FormatError::damaged("a tile of the coarsest level is missing"))?;
             return Ok(nodes::interpolate(&mean, nodes::HALF));
         };
         let samples = self.nodes(key)?;
-        let means = mip::decode(self.relief.plane_bytes(&entry, Plane::Mip), &samples, mean.as_deref());
+        let means = mip::decode(self.relief().plane_bytes(&entry, Plane::Mip), &samples, mean.as_deref());
         self.checked_samples(&entry, Plane::Mip, means)
     }
 

@@ -5,6 +5,9 @@
 
 pub mod angle;
 pub mod kernels;
+pub mod leb;
 pub mod pages;
 pub mod planet;
 pub mod position;
+pub mod ray;
+pub mod shadow;

@@ -12,10 +12,10 @@ use gdal::{Dataset, DriverManager, Metadata as _};
 use relief_formats::body::Body;
 use relief_formats::file::{Plane, Relief};
 
-use crate::error::ToolError;
 use crate::lattice::{Lattice, PlaneChoice, Rectangle};
 use crate::source::{crs::traditional, quiet};
-use crate::staging::Staging;
+use relief_front::error::ToolError;
+use relief_front::staging::Staging;
 
 /// Rows and columns that are written together: whole blocks of the temporary file.
 const ROWS: u32 = 256;

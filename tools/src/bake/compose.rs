@@ -7,8 +7,8 @@
 use relief_formats::derive::{Field, Window};
 
 use super::plan::Plan;
-use crate::error::ToolError;
 use crate::source::{DATA, FILLED, Fill, NodeWindow, SourceSet, VOID};
+use relief_front::error::ToolError;
 
 /// Nodes of a window: heights in steps and whether they are filled rather than measured.
 pub struct Composed {

@@ -12,7 +12,7 @@ use relief_formats::derive::{Base, Below, Field, Window};
 
 use super::compose::Composer;
 use super::plan::{BLOCK_CELLS, BLOCK_LEVELS};
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// Cells along the side of a block's summary.
 const SIDE: i32 = (BLOCK_CELLS >> BLOCK_LEVELS) as i32;

@@ -7,8 +7,8 @@ use relief_formats::file::header::STEP_EXPONENTS;
 use relief_formats::grid::{Grid, M_RANGE};
 use relief_formats::tile::{TILE_CELLS, TILE_NODES, TileKey};
 
-use crate::error::ToolError;
 use crate::source::{NodeWindow, SourceSet};
+use relief_front::error::ToolError;
 
 /// Tiles along a block's side: a block is worked off at once, for [`BLOCK_LEVELS`] levels.
 pub const BLOCK_TILES: u32 = 8;

@@ -4,8 +4,8 @@ use relief_formats::file::Metadata;
 
 use super::plan::Plan;
 use super::run::BakeOptions;
-use crate::error::ToolError;
 use crate::source::{SourceOptions, SourceSet, Vertical};
+use relief_front::error::ToolError;
 
 /// The metadata of a bake: its sources as they were understood, and what made heights of them.
 ///

@@ -18,8 +18,8 @@ use super::plan::{BLOCK_LEVELS, Plan};
 use super::progress::Progress;
 use super::provenance::{identity, metadata};
 use super::stage::{BlockKey, Finished, blocks, finish};
-use crate::error::ToolError;
 use crate::source::{SourceOptions, SourceSet, open_sources};
+use relief_front::error::ToolError;
 
 /// Memory that a block takes while it is worked off.
 const BLOCK_BYTES: u64 = 120 << 20;

@@ -11,8 +11,8 @@ use super::Outcome;
 pub(crate) use super::source_args::parse_bytes;
 use super::source_args::{SourceArgs, refusal};
 use crate::bake::{BakeOptions, bake};
-use crate::error::ToolError;
 use crate::source::Resample;
+use relief_front::error::ToolError;
 
 /// Bake elevation rasters into one .relief file.
 ///

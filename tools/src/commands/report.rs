@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::source_args::SourceArgs;
 use crate::commands::Outcome;
-use crate::error::ToolError;
 use crate::report::{self, ReportOptions};
 use crate::source::Resample;
+use relief_front::error::ToolError;
 
 /// Speed against error of steps, kernels and codecs, as a page with plots and tables.
 ///

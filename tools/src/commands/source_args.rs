@@ -2,8 +2,8 @@
 
 use clap::ValueEnum;
 
-use crate::error::ToolError;
 use crate::source::{BodyChoice, Fill, Registration, Resample, SourceOptions, Unit, Vertical};
+use relief_front::error::ToolError;
 
 /// How the inputs are to be understood; each replaces what the files say of themselves.
 #[derive(Clone, Debug, clap::Args)]

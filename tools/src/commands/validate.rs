@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use super::bake::parse_bytes;
 use crate::commands::Outcome;
-use crate::error::ToolError;
-use crate::publish::publish;
 use crate::source::Registration;
 use crate::validate::{Against, Level, Options, check, validate};
+use relief_front::error::ToolError;
+use relief_front::publish::publish;
 
 /// Everything a file promises, checked.
 ///

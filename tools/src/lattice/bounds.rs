@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use super::Lattice;
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// West, south, east, north: degrees on a globe, CRS units on a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]

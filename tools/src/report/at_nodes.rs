@@ -7,8 +7,8 @@ use relief_formats::tiles::Tiles;
 
 use super::error::Errors;
 use crate::bake::Plan;
-use crate::error::ToolError;
 use crate::source::{DATA, NodeWindow, SourceSet, VOID};
+use relief_front::error::ToolError;
 
 /// Compares every measured level-0 node with its unrounded height. `sources` use the kernel that
 /// the file was baked with.

@@ -8,8 +8,8 @@ use relief_formats::tiles::Tiles;
 
 use super::error::Errors;
 use crate::bake::Plan;
-use crate::error::ToolError;
 use crate::source::{Centre, NodeWindow, SourceSet};
+use relief_front::error::ToolError;
 
 /// Rows that are read at once.
 const ROWS: usize = 64;

@@ -4,9 +4,9 @@ use relief_formats::file::Plane;
 
 use super::choice;
 use super::measure::Measured;
-use super::number::{megabytes, millions, power_of_two, significant};
-use super::plot::{Anchor, Log, Svg};
 use super::run::Report;
+use relief_front::sheet::number::{megabytes, millions, power_of_two, significant};
+use relief_front::sheet::plot::{Anchor, Log, Svg};
 
 /// A plot and the name of its file.
 pub struct Figure {

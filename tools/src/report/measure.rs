@@ -11,10 +11,10 @@ use relief_formats::tiles::Tiles;
 use super::at_nodes;
 use super::at_samples::Samples;
 use super::error::Errors;
-use super::folder::Folder;
 use crate::bake::{BakeOptions, Plan, bake};
-use crate::error::ToolError;
 use crate::source::{Resample, SourceOptions, open_sources};
+use relief_front::error::ToolError;
+use relief_front::sheet::folder::Folder;
 
 /// Times that level 0 is decoded, and at most that a file is baked.
 pub const RUNS: usize = 3;

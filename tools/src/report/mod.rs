@@ -11,17 +11,12 @@ mod codecs;
 mod csv;
 mod error;
 mod figures;
-mod folder;
-mod machine;
 mod measure;
-mod number;
 mod page;
-mod plot;
 mod run;
-mod table;
 
 pub use codecs::Codec;
 pub use error::Errors;
-pub use machine::Machine;
 pub use measure::{Case, Measured};
+pub use relief_front::sheet::machine::Machine;
 pub use run::{Report, ReportOptions, run};

@@ -7,14 +7,14 @@ use relief_formats::grid::M_RANGE;
 
 use super::at_samples::Samples;
 use super::codecs::{Codec, compare};
-use super::folder::Folder;
-use super::machine::Machine;
 use super::measure::{Bench, Case, Measured};
 use super::{csv, figures, page};
 use crate::bake::Plan;
 use crate::bake::progress::Progress;
-use crate::error::ToolError;
 use crate::source::{BodyChoice, Resample, SourceOptions, SourceRecord, SourceSet, open_sources};
+use relief_front::error::ToolError;
+use relief_front::sheet::folder::Folder;
+use relief_front::sheet::machine::Machine;
 
 /// Exponents of the steps that are tried.
 pub const STEP_EXPONENTS: std::ops::RangeInclusive<i8> = -6..=3;

@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use gdal::spatial_ref::{CoordTransform, SpatialRef};
 
-use crate::error::ToolError;
 use crate::source::crs::traditional;
 use crate::source::quiet;
+use relief_front::error::ToolError;
 
 /// A raster's place, by its affine and, unless that gives longitude and latitude, its CRS.
 #[derive(Debug)]

@@ -4,8 +4,8 @@ use super::axis::Axis;
 use super::coverage::cover;
 use super::kernel::Kernel;
 use super::separable::beside_voids;
-use crate::error::ToolError;
 use crate::source::raster::{Patch, Raster};
+use relief_front::error::ToolError;
 
 /// Most pixels copied out of a raster at a time.
 const PATCH_PIXELS: usize = 1 << 21;

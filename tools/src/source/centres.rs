@@ -4,7 +4,7 @@ use relief_formats::body::Body;
 
 use super::geoid::Reference;
 use super::{Mapping, SourceSet};
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// One measured sample of a source.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use gdal::spatial_ref::{AxisMappingStrategy, SpatialRef};
 use relief_formats::body::Body;
 
 use super::quiet;
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// What the CRS says that heights are measured from.
 #[derive(Clone, Debug, PartialEq, Eq)]

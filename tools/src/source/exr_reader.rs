@@ -6,7 +6,7 @@ use exr::meta::MetaData;
 use exr::prelude::*;
 
 use super::heights::{BandTags, HeightRule};
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// One channel of one part of an EXR file. Its data window is the raster, row 0 north.
 pub(crate) struct ExrReader {

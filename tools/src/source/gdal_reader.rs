@@ -7,7 +7,7 @@ use gdal::{Dataset, DatasetOptions, GdalOpenFlags, Metadata};
 
 use super::heights::{BandTags, HeightRule};
 use super::quiet;
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// A band of a GDAL dataset, readable from any thread.
 pub(crate) struct GdalReader {

@@ -16,8 +16,8 @@ use super::place::lon_lat_axes;
 use super::raster::{Raster, Reader};
 use super::record::{file_name, hash_file};
 use super::sample::lon_deg;
-use crate::error::ToolError;
 use crate::resample::axis::Axis;
+use relief_front::error::ToolError;
 
 /// PROJ's file of EGM96 on a grid of 15'.
 const EGM96: &str = "egm96_15.gtx";

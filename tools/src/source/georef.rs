@@ -5,7 +5,7 @@ use relief_formats::body::Body;
 use super::crs::Crs;
 use super::options::{BodyChoice, Registration, SourceOptions};
 use super::quiet;
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// Pixel corners to map coordinates, and what those coordinates are.
 #[derive(Clone, Debug)]

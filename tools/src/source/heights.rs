@@ -3,7 +3,7 @@
 use relief_formats::body::Body;
 
 use super::options::SourceOptions;
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// Values of this magnitude and beyond are void whatever the tags say.
 const ABSURD: f64 = 1e30;

@@ -30,9 +30,9 @@ pub use geoid::SeaLevel;
 pub use options::{BodyChoice, Fill, Registration, Resample, SourceOptions, Unit, Vertical};
 pub use record::SourceRecord;
 
-use crate::error::ToolError;
 use crate::resample::axis::Axis;
 use crate::resample::projection::Projection;
+use relief_front::error::ToolError;
 
 /// A node without data.
 pub const VOID: u8 = 0;

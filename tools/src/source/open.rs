@@ -15,7 +15,7 @@ use super::plane::{self, PlanePlace};
 use super::raster::{Raster, Reader};
 use super::record::{SourceRecord, file_name, hash_file};
 use super::{Mapping, Source, SourceSet, quiet};
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// `a` is not a larger spacing than `b`, but for the rounding of tags to a part in a thousand.
 pub(super) fn no_coarser(a: f64, b: f64) -> bool {

@@ -6,9 +6,9 @@ use super::Mapping;
 use super::georef::Georef;
 use super::options::SourceOptions;
 use super::quiet;
-use crate::error::ToolError;
 use crate::resample::axis::Axis;
 use crate::resample::projection::{Projection, coincide, geographic_part};
+use relief_front::error::ToolError;
 
 /// The longitude and latitude that nodes on Earth have.
 const WGS84: &str = "EPSG:4326";

@@ -6,7 +6,7 @@ use relief_formats::grid::Grid;
 use super::georef::Georef;
 use super::raster::Raster;
 use super::{DATA, FILLED, HeightBlock, NodeWindow, VOID};
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// Pixels by which rasters may miss each other's grid.
 const MISFIT_PX: f64 = 0.01;

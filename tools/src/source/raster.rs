@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::exr_reader::ExrReader;
 use super::gdal_reader::GdalReader;
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// Where the pixels come from.
 pub(crate) enum Reader {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// One input as it was used.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

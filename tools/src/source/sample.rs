@@ -8,13 +8,13 @@ use super::open::no_coarser;
 use super::options::{Fill, Resample, SourceOptions};
 use super::raster::Raster;
 use super::{DATA, FILLED, HeightBlock, Mapping, NodeWindow, Source, VOID};
-use crate::error::ToolError;
 use crate::resample::axis::Axis;
 use crate::resample::kernel::Kernel;
 use crate::resample::lattice::{Lattice, Positions};
 use crate::resample::projection::{Bounds, Projection};
 use crate::resample::scattered::Scattered;
 use crate::resample::separable::Separable;
+use relief_front::error::ToolError;
 
 impl Source {
     /// See [`super::SourceSet::finest_level`].

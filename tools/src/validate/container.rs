@@ -13,7 +13,7 @@ use relief_formats::file::{FormatError, Header, Metadata};
 
 use super::check::Check;
 use super::finding::{Findings, Place};
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// The parts of a file that were found.
 pub(super) struct Container {

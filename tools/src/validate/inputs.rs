@@ -7,10 +7,10 @@ use relief_formats::file::{Metadata, Relief};
 
 use super::check::Check;
 use super::finding::{Findings, Place};
-use crate::error::ToolError;
 use crate::source::{
     BodyChoice, Fill, Registration, Resample, SourceOptions, SourceRecord, SourceSet, Unit, Vertical, open_sources,
 };
+use relief_front::error::ToolError;
 
 /// What a bake was told about its inputs and its metadata does not hold.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -41,8 +41,8 @@ pub use finding::{Finding, Findings, Place};
 pub use inputs::Against;
 pub use report::{Report, SourceDifference};
 
-use crate::error::ToolError;
 use progress::Progress;
+use relief_front::error::ToolError;
 
 /// What to check, and with what.
 #[derive(Clone, Debug)]

@@ -13,8 +13,8 @@ use super::finding::{Findings, Place};
 use super::inputs::{Against, Input, record_of, records};
 use super::map::Map;
 use super::report::SourceDifference;
-use crate::error::ToolError;
 use crate::source::{DATA, FILLED, NodeWindow, VOID};
+use relief_front::error::ToolError;
 
 /// Half a step is exact, but the sources' heights pass through f32 on their way.
 const ALLOWANCE_M: f64 = 1e-3;

@@ -5,7 +5,7 @@ use relief_formats::file::section::{INDEX, MESH, META, TILES};
 use relief_formats::file::{FormatError, Plane};
 use relief_formats::grid::Grid;
 use relief_formats::tile::TileKey;
-use relief_tools::error::ToolError;
+use relief_front::error::ToolError;
 use relief_tools::validate::{Check, Level, Options, validate};
 
 use crate::build::{Folder, Parts, World};

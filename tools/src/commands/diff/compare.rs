@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::map::Map;
 use super::tile::{TileDiff, compare_tile};
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// One of the two files.
 pub struct Side<'a> {
@@ -27,7 +27,7 @@ impl<'a> Side<'a> {
         Self { path, tiles: Tiles::new(relief, CACHE_BYTES) }
     }
 
-    pub fn relief(&self) -> &'a Relief {
+    pub fn relief(&self) -> &Relief {
         self.tiles.relief()
     }
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use relief_formats::grid::Grid;
 
-use crate::error::ToolError;
-use crate::picture::{ColourMap, ColourMapInput, colour_map, write_png};
+use relief_front::error::ToolError;
+use relief_front::picture::{ColourMap, ColourMapInput, colour_map, write_png};
 
 /// Columns of the map at most.
 const COLUMNS: u32 = 1024;

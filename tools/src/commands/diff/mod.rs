@@ -12,8 +12,8 @@ use relief_formats::file::Relief;
 
 use self::compare::{Comparison, Side, compare};
 use crate::commands::Outcome;
-use crate::error::ToolError;
-use crate::stdout;
+use relief_front::error::ToolError;
+use relief_front::stdout;
 
 /// Where two files differ, and by how much
 #[derive(Debug, clap::Args)]

@@ -6,7 +6,7 @@ use relief_formats::tile::{TILE_CELLS, TILE_NODES, TileKey};
 
 use super::compare::{Largest, Side};
 use super::map::Map;
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// What differs in a tile.
 pub struct TileDiff {

@@ -9,9 +9,9 @@ use relief_formats::tiles::Tiles;
 
 use crate::cog::write_cog;
 use crate::commands::Outcome;
-use crate::error::ToolError;
 use crate::lattice::{Bounds, Lattice, PlaneChoice};
-use crate::stdout::print;
+use relief_front::error::ToolError;
+use relief_front::stdout::print;
 
 /// A plane as a cloud-optimised GeoTIFF, or the patch mesh as glTF
 #[derive(Debug, clap::Args)]

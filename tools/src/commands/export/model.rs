@@ -11,12 +11,12 @@ use relief_formats::surface::{Place, Surface};
 use relief_formats::tiles::Tiles;
 
 use crate::commands::preview;
-use crate::error::ToolError;
-use crate::gltf::glb;
 use crate::lattice::Bounds;
-use crate::picture::png_bytes;
-use crate::staging::Staging;
-use crate::stdout::print;
+use relief_front::error::ToolError;
+use relief_front::gltf::glb;
+use relief_front::picture::png_bytes;
+use relief_front::staging::Staging;
+use relief_front::stdout::print;
 
 /// Texture columns; more than this and viewers on small devices refuse it.
 const TEXTURE: u32 = 2048;

@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use relief_formats::file::Relief;
 
 use crate::commands::Outcome;
-use crate::error::ToolError;
-use crate::stdout::print;
+use relief_front::error::ToolError;
+use relief_front::stdout::print;
 
 /// What a file holds: size, body, heights, planes, sources
 #[derive(Debug, clap::Args)]

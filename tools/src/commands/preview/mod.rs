@@ -10,11 +10,13 @@ use relief_formats::tiles::Tiles;
 
 use self::sample::{Canvas, Raster};
 use crate::commands::Outcome;
-use crate::error::ToolError;
 use crate::lattice::{Bounds, Lattice, PlaneChoice};
-use crate::picture::{ColourMap, ColourMapInput, PictureInput, RgbImage, Tint, colour_map, shaded_relief, write_png};
 use crate::source::SeaLevel;
-use crate::stdout::print;
+use relief_front::error::ToolError;
+use relief_front::picture::{
+    ColourMap, ColourMapInput, PictureInput, RgbImage, Tint, colour_map, shaded_relief, write_png,
+};
+use relief_front::stdout::print;
 
 /// A picture: hypsometric tints and shading, or a colour map of another plane
 #[derive(Debug, clap::Args)]
@@ -178,7 +180,7 @@ fn values(plane: PlaneChoice, raster: &Raster) -> Result<(RgbImage, String), Too
 }
 
 /// Pictures of a few samples only, which the checks above leave out.
-fn misfit(error: crate::picture::PictureError) -> ToolError {
+fn misfit(error: relief_front::picture::PictureError) -> ToolError {
     ToolError::usage(error.to_string(), "a picture has at least one pixel each way", "give a larger --size or --window")
 }
 

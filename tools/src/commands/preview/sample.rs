@@ -4,9 +4,9 @@ use rayon::prelude::*;
 use relief_formats::file::{FormatError, Relief};
 use relief_formats::geodesy::Ellipsoid;
 
-use crate::error::ToolError;
 use crate::lattice::{Bounds, Lattice, PlaneChoice, Rectangle};
 use crate::source::SeaLevel;
+use relief_front::error::ToolError;
 
 /// Where the samples of a picture lie. They are centres of pixels; row 0 is in the north.
 pub struct Canvas {

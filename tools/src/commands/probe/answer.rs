@@ -6,7 +6,7 @@ use relief_formats::file::Relief;
 use relief_formats::geodesy::Ellipsoid;
 use relief_formats::surface::{Place, PlaceError, PointSample, Surface};
 
-use crate::error::ToolError;
+use relief_front::error::ToolError;
 
 /// Decoded samples that are kept between points.
 const CACHE_BYTES: u64 = 256 << 20;

@@ -9,8 +9,8 @@ use relief_formats::file::Relief;
 
 use self::answer::Prober;
 use crate::commands::Outcome;
-use crate::error::ToolError;
-use crate::stdout::print;
+use relief_front::error::ToolError;
+use relief_front::stdout::print;
 
 /// Height, bounds and position at a point, or at every point on standard input
 #[derive(Debug, clap::Args)]

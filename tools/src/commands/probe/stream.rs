@@ -14,8 +14,8 @@ use relief_formats::surface::{Place, PointSample};
 
 use super::answer::{Prober, parse_point};
 use crate::commands::Outcome;
-use crate::error::ToolError;
-use crate::stdout::settle;
+use relief_front::error::ToolError;
+use relief_front::stdout::settle;
 
 const CHUNK_BYTES: usize = 1 << 18;
 /// Chunks that may wait, and so also a batch: about 700 000 points, 200 MB with all that is

@@ -2,7 +2,7 @@
 //!
 //! Rasters are row-major f32 with row 0 in the north; NaN is a void.
 
-mod colour;
+pub mod colour;
 mod colour_map;
 mod field;
 mod png;
@@ -13,7 +13,7 @@ mod tint;
 pub use colour_map::{ColourMap, ColourMapInput, colour_map};
 pub use png::{png_bytes, write_png};
 pub use relief::{PictureInput, shaded_relief};
-pub use tint::Tint;
+pub use tint::{Tint, Tints};
 
 /// An 8-bit sRGB picture, row 0 at the top.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -47,7 +47,7 @@ impl Staging {
                 for folder in LIVE.lock().unwrap_or_else(PoisonError::into_inner).iter() {
                     let _ = std::fs::remove_dir_all(folder);
                 }
-                eprintln!("relief-bake: interrupted; nothing was written");
+                eprintln!("interrupted; nothing was written");
                 std::process::exit(2);
             });
         });

@@ -1,0 +1,110 @@
+//! Short forms of what every kernel needs: layouts, groups, pipelines, buffers.
+
+use bytemuck::Pod;
+
+use super::device::Device;
+
+/// What a kernel sees at a binding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Binding {
+    Uniform,
+    Read,
+    ReadWrite,
+}
+
+/// A layout with the bindings 0, 1, 2, ... for compute kernels.
+pub(super) fn layout(device: &Device, label: &str, bindings: &[Binding]) -> wgpu::BindGroupLayout {
+    layout_for(device, label, wgpu::ShaderStages::COMPUTE, bindings)
+}
+
+/// A layout with the bindings 0, 1, 2, ... for some stages.
+pub(super) fn layout_for(
+    device: &Device,
+    label: &str,
+    visibility: wgpu::ShaderStages,
+    bindings: &[Binding],
+) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = (0..)
+        .zip(bindings)
+        .map(|(binding, kind)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility,
+            ty: wgpu::BindingType::Buffer {
+                ty: match kind {
+                    Binding::Uniform => wgpu::BufferBindingType::Uniform,
+                    Binding::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                    Binding::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
+                },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        })
+        .collect();
+    device.wgpu().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+/// A group with the bindings 0, 1, 2, ...
+pub(super) fn group(
+    device: &Device,
+    layout: &wgpu::BindGroupLayout,
+    resources: &[wgpu::BindingResource<'_>],
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = (0..)
+        .zip(resources)
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+        .collect();
+    device.wgpu().create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+}
+
+/// A module of a kernel's source.
+pub(super) fn module(device: &Device, label: &str, source: &'static str) -> wgpu::ShaderModule {
+    device.wgpu().create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(label),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    })
+}
+
+/// A pipeline layout over groups 0, 1, ...
+pub(super) fn pipeline_layout(device: &Device, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
+    let groups: Vec<_> = groups.iter().map(|&group| Some(group)).collect();
+    device.wgpu().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &groups,
+        immediate_size: 0,
+    })
+}
+
+/// The pipeline of one entry point.
+pub(super) fn pipeline(
+    device: &Device,
+    layout: &wgpu::PipelineLayout,
+    module: &wgpu::ShaderModule,
+    entry: &str,
+) -> wgpu::ComputePipeline {
+    device.wgpu().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry),
+        layout: Some(layout),
+        module,
+        entry_point: Some(entry),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    })
+}
+
+/// A uniform buffer with a value.
+pub(super) fn uniform<T: Pod>(device: &Device, label: &str, value: &T) -> wgpu::Buffer {
+    filled(device, label, bytemuck::bytes_of(value), wgpu::BufferUsages::UNIFORM)
+}
+
+/// A buffer with contents.
+pub(super) fn filled(device: &Device, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    let buffer = device.wgpu().create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes.len().next_multiple_of(4).max(4) as u64,
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    device.queue().write_buffer(&buffer, 0, bytes);
+    buffer
+}

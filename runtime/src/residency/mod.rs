@@ -1,0 +1,311 @@
+//! Which tiles are at hand: wanted by the frames, decoded in the background, kept in the slots of
+//! an atlas until others need the room (paper 002's pages, paper 003's time budget).
+//!
+//! The kernels record the pages they ask for; [`Resident::ask`] takes that record, marks what is
+//! there as used and queues what is not; [`Resident::update`] loads within a time budget. A page
+//! enters only after all pages of the next coarser level that touch it, and leaves only before
+//! them: so wherever a kernel finds a page, it finds what stands in for its neighbours too.
+
+mod capacity;
+mod closure;
+mod crown;
+mod loader;
+mod page;
+mod ram;
+mod slots;
+mod table;
+mod wants;
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use relief_formats::file::FormatError;
+use relief_formats::tile::TileKey;
+use relief_shaders::pages;
+use relief_shaders::planet as shared;
+
+use crate::planet::Planet;
+use loader::Loader;
+use slots::Slots;
+use wants::Wants;
+
+pub use capacity::{Capacity, CapacityError};
+pub use page::Page;
+pub use ram::Ram;
+
+/// Tiles of the coarsest levels that are never dropped: at most this share of the slots.
+const PINNED_SHARE: u32 = 4;
+/// Levels below the root that are never dropped.
+const PINNED_LEVELS: u32 = 2;
+
+/// Where pages are put: a GPU's buffers or RAM.
+pub trait Store {
+    /// Fills a slot.
+    fn write_page(&mut self, slot: u32, page: &Page);
+    /// Replaces the page table.
+    fn write_table(&mut self, table: &[[u32; 2]]);
+}
+
+/// What an update did, and what is still to come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    /// Pages that entered the atlas.
+    pub loaded: usize,
+    /// Pages that left it.
+    pub dropped: usize,
+    /// Pages that are wanted and not there.
+    pub missing: usize,
+    /// Pages in the atlas.
+    pub resident: usize,
+    /// True when all slots are in use: what is missing will not come.
+    pub full: bool,
+}
+
+/// Why a tile never enters.
+enum Unavailable {
+    /// The file has no such tile: a coarser one holds its heights.
+    Absent,
+    /// Its bytes, or those of a tile it is decoded from.
+    Damaged(FormatError),
+}
+
+/// A set of pages in a store, shared by any number of views.
+pub struct Resident<S> {
+    planet: Arc<Planet>,
+    uniform: shared::Planet,
+    slots: Slots,
+    store: S,
+    loader: Loader,
+    wants: Wants,
+    unavailable: HashMap<TileKey, Unavailable>,
+    /// Decoded pages that wait for a coarser one.
+    ready: BTreeMap<TileKey, Page>,
+    /// The pages asked for belong to a new round when an update came in between.
+    updated: bool,
+}
+
+impl<S: Store> Resident<S> {
+    /// A resident set over an empty store; the coarsest tiles are loaded at once.
+    ///
+    /// # Errors
+    /// A damaged tile of the coarsest level: without it nothing can be shown.
+    pub fn new(planet: Arc<Planet>, capacity: Capacity, store: S) -> Result<Self, FormatError> {
+        let grid = planet.grid();
+        let uniform = capacity.uniform(&planet);
+        let mut resident = Self {
+            slots: Slots::new(grid, capacity.slots(), capacity.table_bits()),
+            loader: Loader::new(Arc::clone(&planet)),
+            wants: Wants::default(),
+            unavailable: HashMap::new(),
+            ready: BTreeMap::new(),
+            updated: true,
+            planet,
+            uniform,
+            store,
+        };
+        let root = grid.root_level();
+        for key in closure::level(grid, root) {
+            let page = resident.loader.decode(key)?;
+            resident.enter(key, &page);
+        }
+        resident.store.write_table(resident.slots.table());
+        resident.want_pinned();
+        Ok(resident)
+    }
+
+    /// The planet.
+    #[must_use]
+    pub fn planet(&self) -> &Arc<Planet> {
+        &self.planet
+    }
+
+    /// What the kernels are told of the planet and of this set's tables.
+    #[must_use]
+    pub fn uniform(&self) -> &shared::Planet {
+        &self.uniform
+    }
+
+    /// The store.
+    #[must_use]
+    pub fn store(&self) -> &S {
+        &self.store
+    }
+
+    /// The store, for the frames that are drawn from it.
+    pub fn store_mut(&mut self) -> &mut S {
+        &mut self.store
+    }
+
+    /// The entries of the page table.
+    #[must_use]
+    pub fn table(&self) -> &[[u32; 2]] {
+        self.slots.table()
+    }
+
+    /// Takes the pages that a frame asked for (`seen` entries less one; see
+    /// `relief_shaders::pages`): what is there counts as used, what is not is wanted. Returns how
+    /// many pages the frame lacked.
+    ///
+    /// Pages asked for between two updates are all in use, whichever view asked.
+    pub fn ask(&mut self, keys: impl IntoIterator<Item = u32>) -> usize {
+        if std::mem::take(&mut self.updated) {
+            self.slots.next_round();
+            self.wants.clear();
+            self.want_pinned();
+        }
+        let mut lacking = 0;
+        for key in keys {
+            let (level, x, y) = pages::unkey(key);
+            let key = TileKey::new(level, x, y);
+            if self.planet.grid().contains(key) {
+                lacking += usize::from(self.want(key));
+            }
+        }
+        lacking
+    }
+
+    /// Loads what is wanted, until nothing is left or the time is over. A single page may overrun
+    /// the budget; pages that are being decoded meanwhile enter with the next update.
+    ///
+    /// Waits for worker threads of the global `rayon` pool, so it must not be called from one.
+    pub fn update(&mut self, budget: Duration) -> Progress {
+        let deadline = Instant::now() + budget;
+        self.updated = true;
+        let mut progress = Progress::default();
+        self.enter_ready(&mut progress);
+        loop {
+            self.dispatch();
+            let left = deadline.saturating_duration_since(Instant::now());
+            let Some((key, page)) = self.loader.receive(left) else { break };
+            match page {
+                Ok(page) => {
+                    self.ready.insert(key, page);
+                }
+                Err(error) => {
+                    self.unavailable.insert(key, Unavailable::Damaged(error));
+                    self.wants.remove(key);
+                }
+            }
+            self.enter_ready(&mut progress);
+        }
+        if progress.loaded > 0 {
+            self.store.write_table(self.slots.table());
+        }
+        progress.missing = self.wants.len();
+        progress.resident = self.slots.len();
+        progress.full = progress.missing > 0 && self.loader.idle();
+        progress
+    }
+
+    /// Tiles that were asked for and cannot be read, with the reason.
+    pub fn damaged(&self) -> impl Iterator<Item = (TileKey, &FormatError)> {
+        self.unavailable.iter().filter_map(|(&key, why)| match why {
+            Unavailable::Damaged(error) => Some((key, error)),
+            Unavailable::Absent => None,
+        })
+    }
+
+    /// Marks the finest tile at or above `key` that the file can give, with what it rests on, as
+    /// used and wanted. True when a page lacks.
+    fn want(&mut self, mut key: TileKey) -> bool {
+        if self.slots.touch(key) {
+            return false;
+        }
+        let root = self.planet.grid().root_level();
+        while !self.available(key) {
+            if key.level >= root {
+                return false;
+            }
+            key = key.parent();
+        }
+        if self.slots.touch(key) {
+            return false;
+        }
+        if self.wants.insert(key) {
+            for below in closure::touching(self.planet.grid(), key) {
+                self.want(below);
+            }
+        }
+        true
+    }
+
+    fn available(&mut self, key: TileKey) -> bool {
+        if self.slots.find(key).is_some() {
+            return true;
+        }
+        if self.unavailable.contains_key(&key) {
+            return false;
+        }
+        match self.planet.relief().find(key) {
+            // A tile is decoded from its parent.
+            Ok(Some(_)) => key.level >= self.planet.grid().root_level() || self.available(key.parent()),
+            Ok(None) => {
+                self.unavailable.insert(key, Unavailable::Absent);
+                false
+            }
+            Err(error) => {
+                self.unavailable.insert(key, Unavailable::Damaged(error));
+                false
+            }
+        }
+    }
+
+    fn want_pinned(&mut self) {
+        let grid = self.planet.grid();
+        let root = grid.root_level();
+        let mut tiles = 0;
+        for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
+            tiles += grid.tiles_x(level) * grid.tiles_y(level);
+            if level == root || tiles * PINNED_SHARE <= self.slots.capacity() {
+                closure::level(grid, level).for_each(|key| {
+                    self.want(key);
+                });
+            }
+        }
+    }
+
+    /// Keeps the workers busy with what can find room.
+    fn dispatch(&mut self) {
+        let busy = self.loader.in_flight() + self.ready.len();
+        let room = self.slots.room(self.loader.limit()).saturating_sub(busy);
+        let start = room.min(self.loader.limit().saturating_sub(busy));
+        let next: Vec<TileKey> = self
+            .wants
+            .iter()
+            .filter(|key| !self.loader.is_loading(*key) && !self.ready.contains_key(key))
+            .take(start)
+            .collect();
+        next.into_iter().for_each(|key| self.loader.start(key));
+    }
+
+    /// Lets decoded pages enter, coarsest first.
+    fn enter_ready(&mut self, progress: &mut Progress) {
+        self.ready.retain(|&key, _| self.wants.contains(key));
+        while let Some(&key) = self.ready.keys().find(|&&key| self.rests(key)) {
+            let Some(page) = self.ready.remove(&key) else { break };
+            let Some(dropped) = self.enter(key, &page) else {
+                self.ready.insert(key, page);
+                break;
+            };
+            progress.loaded += 1;
+            progress.dropped += dropped;
+        }
+    }
+
+    /// True when no page that `key` rests on is still to come.
+    fn rests(&self, key: TileKey) -> bool {
+        closure::touching(self.planet.grid(), key).into_iter().all(|below| !self.wants.contains(below))
+    }
+
+    /// Puts a page into a slot; how many pages had to leave, or none when there is no room.
+    fn enter(&mut self, key: TileKey, page: &Page) -> Option<usize> {
+        let (slot, dropped) = self.slots.enter(key)?;
+        self.store.write_page(slot, page);
+        self.wants.remove(key);
+        Some(usize::from(dropped))
+    }
+}
+
+#[cfg(test)]
+mod tests;
