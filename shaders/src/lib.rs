@@ -5,6 +5,7 @@
 
 pub mod angle;
 pub mod kernels;
+pub mod leb;
 pub mod pages;
 pub mod planet;
 pub mod position;

@@ -1,0 +1,65 @@
+//! Activity is nested: an active node's parents are active.
+
+use relief_shaders::leb::active::judge;
+use relief_shaders::leb::{Params, Triangle, triangle};
+
+use super::camera::Camera;
+use super::page_set::{Fault, PageSet};
+use super::planet::{Ground, TestPlanet, hash};
+use super::views::{hard, random};
+
+/// How many nodes of random descents are active though a parent is not.
+fn orphans(planet: &TestPlanet, pages: &PageSet, camera: Camera, descents: u64, seed: u64) -> usize {
+    let (view, pages) = (camera.view(planet), pages.pages());
+    let params = Params::new(pages.planet, &view, 1, 1);
+    let active = |t: &Triangle| t.divisible() && judge(&pages, &view, &params, &t.node(), &t.parent()).active;
+    let mut found = 0;
+    for n in 0..descents {
+        let mut at = triangle::start(planet.plane, (hash(n, 0, seed) % u64::from(triangle::start_count(planet.plane))) as u32);
+        let mut depth = 1;
+        while at.divisible() {
+            let halves = at.halves();
+            let is = [active(&at), active(&halves[0]), active(&halves[1])];
+            found += usize::from(!is[0] && is[1]) + usize::from(!is[0] && is[2]);
+            if is == [false; 3] && hash(n, depth, seed + 1) % 4 == 0 {
+                break;
+            }
+            let pick = hash(n, depth, seed) as usize % 2;
+            at = halves[if is[1] != is[2] { usize::from(is[2]) } else { pick }];
+            depth += 1;
+        }
+    }
+    found
+}
+
+#[test]
+fn active_nodes_have_active_parents() {
+    let planets = [
+        TestPlanet::globe(9, 6_378_137.0, 6_356_752.3, 0.5, Ground::Wild { most: 12_000, seed: 1 }),
+        TestPlanet::globe(8, 1000.0, 800.0, 0.125, Ground::Wild { most: 800, seed: 3 }),
+    ];
+    for planet in &planets {
+        for (n, pages) in [
+            PageSet::whole(planet),
+            PageSet::of(planet, Fault::None, |k, x, y| hash(u64::from(x), u64::from(y), u64::from(k)) % 3 != 0),
+        ]
+        .iter()
+        .enumerate()
+        {
+            for (what, camera) in hard(planet) {
+                assert_eq!(orphans(planet, pages, camera, 300, 5), 0, "{what}, pages {n}");
+            }
+            for k in 0..20 {
+                assert_eq!(orphans(planet, pages, random(planet, k, 21), 300, k), 0, "random {k}, pages {n}");
+            }
+        }
+    }
+}
+
+#[test]
+fn deviations_of_single_nodes_are_noticed() {
+    let planet = TestPlanet::globe(9, 6_378_137.0, 6_356_752.3, 0.5, Ground::Wild { most: 12_000, seed: 1 });
+    let pages = PageSet::of(&planet, Fault::Unsaturated, |_, _, _| true);
+    let found: usize = (0..20).map(|k| orphans(&planet, &pages, random(&planet, k, 21), 300, k)).sum();
+    assert!(found > 0);
+}
