@@ -7,5 +7,6 @@ pub mod angle;
 pub mod kernels;
 pub mod leb;
 pub mod pages;
+pub mod paper;
 pub mod planet;
 pub mod position;
