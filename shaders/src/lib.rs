@@ -10,3 +10,5 @@ pub mod pages;
 pub mod paper;
 pub mod planet;
 pub mod position;
+pub mod ray;
+pub mod shadow;

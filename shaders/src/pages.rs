@@ -20,7 +20,8 @@ pub const HEIGHT_WORDS: u32 = NODES * NODES;
 /// blocks of 2 x 2 cells.
 pub const EXTREME_WORDS: u32 = 2 * BLOCKS * BLOCKS;
 /// Words of a slot in the buffer of bounds: H_ext, then the nodes' deviation codes, four a word,
-/// the first lowest.
+/// the first lowest. In a page of the coarsest level the even nodes' codes are those of the levels
+/// above it (`relief_formats::derive::crown`), so that bisection may start from whole squares.
 pub const BOUND_WORDS: u32 = EXTREME_WORDS + NODES * NODES / 4 + 1;
 /// No page; also an empty entry of the table.
 pub const NONE: u32 = u32::MAX;

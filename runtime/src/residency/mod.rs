@@ -8,6 +8,7 @@
 
 mod capacity;
 mod closure;
+mod crown;
 mod loader;
 mod page;
 mod ram;

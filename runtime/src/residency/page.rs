@@ -8,6 +8,7 @@ use relief_formats::file::FormatError;
 use relief_formats::tile::TileKey;
 use relief_shaders::pages::{BLOCKS, BOUND_WORDS, EXTREME_WORDS, HEIGHT_WORDS};
 
+use super::crown::Crown;
 use crate::planet::Planet;
 
 /// Tiles whose bounds are kept, so that finer ones are cut to them without decoding them again.
@@ -26,11 +27,12 @@ pub struct Page {
 pub(super) struct Decoder {
     planet: Arc<Planet>,
     bounds: Cache<TileKey, Arc<Vec<Extremes>>>,
+    crown: Crown,
 }
 
 impl Decoder {
     pub fn new(planet: Arc<Planet>) -> Self {
-        Self { planet, bounds: Cache::new(KEPT_BOUNDS) }
+        Self { planet, bounds: Cache::new(KEPT_BOUNDS), crown: Crown::default() }
     }
 
     /// The page of a tile that the file has.
@@ -39,7 +41,10 @@ impl Decoder {
         let metres = |q: i32| q as f32 * step_m;
         let nodes = self.planet.tiles().nodes(key)?;
         let extremes = self.nested(key)?;
-        let codes = self.planet.tiles().deviations(key)?.unwrap_or_default();
+        let codes = match key.level == self.planet.grid().root_level() {
+            true => self.crown.tile(&self.planet, key)?,
+            false => self.planet.tiles().deviations(key)?.unwrap_or_default(),
+        };
         let heights: Vec<f32> = nodes.iter().map(|&q| metres(q)).collect();
         let mut bounds: Vec<u32> =
             extremes.iter().flat_map(|e| [metres(e.min), metres(e.max)]).map(f32::to_bits).collect();

@@ -36,7 +36,12 @@ fn kernels_read_what_the_file_holds() {
                 if (1..planet.grid().height(0)).contains(&j) && i % 2048 % 61 == 7 && j % 53 == 9 { 90_000 } else { 0 };
             assert_eq!(pages.node_m(0, column, row), (q + spike) as f32 / 16.0);
             let code = codes[(row * NODES + column) as usize];
-            assert_eq!(pages.deviation_m(0, column, row), decode_deviation(code) / 16.0);
+            // A root page's even nodes hold what the file does not: the levels above it.
+            if key.level < 2 || (row | column) & 1 == 1 {
+                assert_eq!(pages.deviation_m(0, column, row), decode_deviation(code) / 16.0);
+            } else if row % 256 != 0 || column % 256 != 0 {
+                assert!(pages.deviation_m(0, column, row) > 0.0);
+            }
         }
     }
 }
