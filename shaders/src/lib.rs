@@ -8,6 +8,7 @@ pub mod frame;
 pub mod kernels;
 pub mod leb;
 pub mod pages;
+pub mod paper;
 pub mod planet;
 pub mod position;
 pub mod ray;
