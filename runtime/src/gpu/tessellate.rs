@@ -1,6 +1,7 @@
 //! The passes of `leb` on the GPU (protocol: `relief_shaders::leb`), and the uniform mesh.
 
 use bytemuck::{Pod, Zeroable};
+use relief_shaders::frame::uniform::UniformMesh;
 use relief_shaders::kernels;
 use relief_shaders::leb::{Params, ReliefTriangle, Triangle};
 use relief_shaders::planet as shared;
@@ -33,16 +34,6 @@ pub(super) struct Control {
     pub culled: u32,
     pub passes: u32,
     pub horizon: u32,
-}
-
-/// `struct UniformMesh` of `wgsl/frame_uniform.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct UniformMesh {
-    level: u32,
-    columns: u32,
-    rows: u32,
-    padding: u32,
 }
 
 /// Lists and results of one view.
