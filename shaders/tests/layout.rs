@@ -29,24 +29,77 @@ fn shared() -> Vec<Layout> {
     use frame::uniform::UniformMesh;
     vec![
         layout!(
-            "Planet", planet::Planet, m, plane, root_level, table_bits, a_m, b_m, e2, step_m, min_m, max_m, unit_x_m,
-            unit_y_m, seen_bits
+            "Planet",
+            planet::Planet,
+            m,
+            plane,
+            root_level,
+            table_bits,
+            a_m,
+            b_m,
+            e2,
+            step_m,
+            min_m,
+            max_m,
+            unit_x_m,
+            unit_y_m,
+            seen_bits
         ),
         layout!(
-            "View", planet::View, camera_s, camera_t, width, height, camera_h_hi_m, camera_h_lo_m, sin_lat, cos_lat,
-            n0_m, w0, tan_x, tan_y, right, up, forward, sun
+            "View",
+            planet::View,
+            camera_s,
+            camera_t,
+            width,
+            height,
+            camera_h_hi_m,
+            camera_h_lo_m,
+            sin_lat,
+            cos_lat,
+            n0_m,
+            w0,
+            tan_x,
+            tan_y,
+            right,
+            up,
+            forward,
+            sun
         ),
         layout!(
-            "Style", frame::Style, overlay, shadow, sea, padding, low_m, high_m, ambient, exaggeration_from_m,
-            sun_colour, shade_colour, sky, ramp
+            "Style",
+            frame::Style,
+            overlay,
+            shadow,
+            sea,
+            padding,
+            low_m,
+            high_m,
+            ambient,
+            exaggeration_from_m,
+            sun_colour,
+            shade_colour,
+            sky,
+            ramp
         ),
         layout!("UniformMesh", UniformMesh, level, columns, rows, padding),
         layout!("Point", pages::Point, s, t, level, height_m),
         layout!("Corner", leb::Corner, s, t, height_m, level),
         layout!("Triangle", leb::Triangle, s, t, code),
         layout!(
-            "LebParams", leb::Params, reach_m, curvature_m, turn_rad, range_m, slack_m, cos_corner, horizon,
-            list_capacity, relief_capacity, horizon_distance, cone_sin, cone_cos
+            "LebParams",
+            leb::Params,
+            reach_m,
+            curvature_m,
+            turn_rad,
+            range_m,
+            slack_m,
+            cos_corner,
+            horizon,
+            list_capacity,
+            relief_capacity,
+            horizon_distance,
+            cone_sin,
+            cone_cos
         ),
     ]
 }
