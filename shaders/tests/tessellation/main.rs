@@ -5,6 +5,7 @@
 mod camera;
 mod checks;
 mod deviation;
+mod gpu;
 mod nested;
 mod page_set;
 mod planet;

@@ -53,10 +53,12 @@ impl PageSet {
             for y in 0..ty {
                 for x in 0..tx {
                     let here = k == root || present(k, x, y);
-                    let parents = k == root || touching(planet.plane, tiles(k + 1), x, y).into_iter().all(|p| usable[k as usize + 1][p]);
+                    let parents = k == root
+                        || touching(planet.plane, tiles(k + 1), x, y).into_iter().all(|p| usable[k as usize + 1][p]);
                     usable[k as usize].push(here && parents);
                     if here {
-                        let word = if parents { USABLE } else { 0 } | set.fill(planet, fault, &devs, &extremes, k, x, y);
+                        let word =
+                            if parents { USABLE } else { 0 } | set.fill(planet, fault, &devs, &extremes, k, x, y);
                         set.insert(key(k, x, y), word);
                     }
                 }
@@ -66,7 +68,13 @@ impl PageSet {
     }
 
     pub fn pages(&self) -> Pages<'_> {
-        Pages { planet: &self.planet, table: &self.table, heights: &self.heights, bounds: &self.bounds, seen: &self.seen }
+        Pages {
+            planet: &self.planet,
+            table: &self.table,
+            heights: &self.heights,
+            bounds: &self.bounds,
+            seen: &self.seen,
+        }
     }
 
     fn insert(&mut self, key: u32, word: u32) {
@@ -100,8 +108,12 @@ impl PageSet {
             for c in 0..NODES {
                 let (i, j) = (i64::from(256 * x + c), i64::from(256 * y + r));
                 self.heights.push((f64::from(planet.node(i << k, j << k)) * planet.step_m) as f32);
-                let i = if planet.plane { i } else { i % w };
-                let deviation = devs[k as usize][(j * columns + i) as usize] / planet.step_m;
+                // The coarsest pages have the codes of the levels above.
+                let up = if k == planet.m - 8 { (i | j).trailing_zeros().min(31) } else { 0 };
+                let i = if planet.plane { i } else { i % w } >> up;
+                let columns = if planet.plane { columns >> up | 1 } else { columns >> up };
+                let deviation =
+                    devs.get((k + up) as usize).map_or(0.0, |d| d[((j >> up) * columns + i) as usize]) / planet.step_m;
                 let deviation = if fault == Fault::Quartered { deviation / 4.0 } else { deviation };
                 codes[(r * NODES + c) as usize] = code(deviation);
             }
