@@ -154,14 +154,12 @@ impl Band<'_> {
             for column in columns.clone() {
                 if inside.iter().zip(&edges).all(|(&value, edge)| value + edge.bias >= 0) {
                     let linear = inside.map(|value| value as f32 * inverse_area);
-                    let over_w =
-                        linear[0] * inverse_w[0] + linear[1] * inverse_w[1] + linear[2] * inverse_w[2];
+                    let over_w = linear[0] * inverse_w[0] + linear[1] * inverse_w[1] + linear[2] * inverse_w[2];
                     let depth = self.view.forward[3] * over_w;
                     let at = (row as usize - self.first_row) * self.width + column as usize;
                     if depth > self.depths[at] {
                         self.depths[at] = depth;
-                        self.places[at] =
-                            place(planet, source, linear, inverse_w, over_w, weights, slopes);
+                        self.places[at] = place(planet, source, linear, inverse_w, over_w, weights, slopes);
                     }
                 }
                 for (value, edge) in inside.iter_mut().zip(&edges) {

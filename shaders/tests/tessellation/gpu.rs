@@ -5,8 +5,7 @@ use std::sync::atomic::Ordering;
 
 use bytemuck::Pod;
 use relief_shaders::kernels;
-use relief_shaders::leb::tessellate::PASSES;
-use relief_shaders::leb::{Params, ReliefTriangle, Stats, tessellate, triangle};
+use relief_shaders::leb::{Args, Control, PASSES, Params, ReliefTriangle, START_MOST, Stats, tessellate};
 use wgpu::util::DeviceExt;
 use wgpu::{BufferUsages, ShaderStages};
 
@@ -146,8 +145,8 @@ impl Gpu {
         let lists =
             [empty(12 * u64::from(params.list_capacity), none), empty(12 * u64::from(params.list_capacity), none)];
         let relief = empty(48 * u64::from(params.relief_capacity), none);
-        let control = empty(32, none);
-        let args = empty(32, BufferUsages::INDIRECT);
+        let control = empty(size_of::<Control>() as u64, none);
+        let args = empty(size_of::<Args>() as u64, BufferUsages::INDIRECT);
         let group = |from: &wgpu::Buffer, to: &wgpu::Buffer| {
             self.group(1, &[(0, &view), (1, &params_buffer), (2, from), (3, to), (4, &relief), (5, &control)])
         };
@@ -174,13 +173,14 @@ impl Gpu {
             }
         }
         self.queue.submit([encoder.finish()]);
-        let counts: Vec<u32> = self.read(&control, 32);
-        let args: Vec<u32> = self.read(&args, 32);
-        assert_eq!(args[4..], [3 * counts[2].min(params.relief_capacity), 1, 0, 0]);
+        let control = self.read::<Control>(&control, size_of::<Control>() as u64)[0];
+        let args = self.read::<Args>(&args, size_of::<Args>() as u64)[0];
+        assert_eq!(args.vertices, 3 * control.relief.min(params.relief_capacity));
+        assert_eq!([args.groups[0], args.instances, args.first_vertex, args.first_instance], [0, 1, 0, 0]);
         let corners: Vec<relief_shaders::leb::Corner> = self.read(&relief, 48 * u64::from(params.relief_capacity));
         Drawn {
-            triangles: corners.chunks(3).take(args[4] as usize / 3).map(|c| [c[0], c[1], c[2]]).collect(),
-            stats: Stats { passes: counts[6], tested: counts[4], culled: counts[5], overflow: counts[3] != 0 },
+            triangles: corners.chunks(3).take(args.vertices as usize / 3).map(|c| [c[0], c[1], c[2]]).collect(),
+            stats: control.stats(),
             asked: self.read::<u32>(&seen, 4 * set.seen.len() as u64).into_iter().filter(|&k| k != 0).collect(),
         }
     }
@@ -260,7 +260,7 @@ fn a_list_that_is_full_is_told_and_nothing_is_written_beyond() {
         let drawn = gpu.tessellate(&set, &view, &params);
         assert!(drawn.stats.overflow && drawn.triangles.len() <= relief as usize);
     }
-    assert!(triangle::start_count(false) < 100);
+    assert!(START_MOST < 100);
 }
 
 #[test]

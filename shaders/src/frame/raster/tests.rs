@@ -66,7 +66,9 @@ fn what_lies_behind_or_before_the_near_plane_is_cut() {
             assert!((metres / depth_m - 1.0).abs() < 0.02, "{metres} {depth_m}");
         }
     }
-    assert!(draw(&planet, &view, &[[behind; 3], [behind, behind, corner(5, -7, 3.0)]]).depths.iter().all(|&d| d == 0.0));
+    assert!(
+        draw(&planet, &view, &[[behind; 3], [behind, behind, corner(5, -7, 3.0)]]).depths.iter().all(|&d| d == 0.0)
+    );
 }
 
 #[test]
