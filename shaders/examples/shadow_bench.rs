@@ -53,23 +53,35 @@ fn main() -> Result<(), Box<dyn Error>> {
     let nodes = PlaneNodes { samples: &samples, unit_m: step_m, columns, rows, spacing_m: [dx, dy] };
     let rays = (columns * rows) as f64;
     println!("{columns} x {rows} nodes, {} threads, median of 5, azimuth 135", rayon::current_num_threads());
-    println!("kernel  elevation   Mray/s  heights  extremes   steps   dark %");
+    println!("kernel  elevation   Mray/s  a CPU s  heights  extremes   steps   dark %");
     for elevation_deg in [2.0f64, 5.0, 10.0, 20.0] {
         let ((sa, ca), (se, ce)) = (135f64.to_radians().sin_cos(), elevation_deg.to_radians().sin_cos());
         let sun = [ce * sa, ce * ca, se].map(|v| v as f32);
-        let seconds = median(|| {
+        let seconds = timed(|| {
             std::hint::black_box(sweep_mask::<false, i16>(&nodes, sun));
         });
         let (mask, counts) = sweep_mask::<true, i16>(&nodes, sun);
         let share = |v: u64| v as f64 / rays;
         let dark = mask.iter().filter(|&&v| v == 0).count();
-        print_row("sweep", elevation_deg, rays / seconds / 1e6, [counts.heights, counts.bounds, counts.steps].map(share), share(dark as u64));
+        print_row(
+            "sweep",
+            elevation_deg,
+            seconds.map(|s| rays / s / 1e6),
+            [counts.heights, counts.bounds, counts.steps].map(share),
+            share(dark as u64),
+        );
         let mut single = (vec![0u8; columns * rows], Counts64::default());
-        let seconds = median(|| single = cast_all(&planet, &dense, sun));
+        let seconds = timed(|| single = cast_all(&planet, &dense, sun));
         let (lit, counts) = single;
         let differ = lit.iter().zip(&mask).filter(|(a, b)| a != b).count();
         let dark = lit.iter().filter(|&&v| v == 0).count();
-        print_row("exact", elevation_deg, rays / seconds / 1e6, [counts.0, counts.1, counts.2].map(share), share(dark as u64));
+        print_row(
+            "exact",
+            elevation_deg,
+            seconds.map(|s| rays / s / 1e6),
+            [counts.0, counts.1, counts.2].map(share),
+            share(dark as u64),
+        );
         println!("        {differ} nodes differ");
     }
     println!("nodes {} bytes as f32, dense {} bytes", 4 * dense.nodes_m().len(), dense.bytes());
@@ -100,19 +112,33 @@ fn cast_all(planet: &Planet, dense: &Dense, sun: [f32; 3]) -> (Vec<u8>, Counts64
     (lit, counts)
 }
 
-fn median(mut work: impl FnMut()) -> f64 {
-    let mut seconds: Vec<f64> = (0..5)
+/// Seconds of one run: wall, and of a processor.
+fn timed(mut work: impl FnMut()) -> [f64; 2] {
+    const RUNS: u32 = 5;
+    let cpu = cpu_seconds();
+    let mut walls: Vec<f64> = (0..RUNS)
         .map(|_| {
             let begin = Instant::now();
             work();
             begin.elapsed().as_secs_f64()
         })
         .collect();
-    seconds.sort_by(f64::total_cmp);
-    seconds[2]
+    let cpu = (cpu_seconds() - cpu) / f64::from(RUNS);
+    walls.sort_by(f64::total_cmp);
+    [walls[RUNS as usize / 2], cpu]
 }
 
-fn print_row(kernel: &str, elevation_deg: f64, speed: f64, counts: [f64; 3], dark: f64) {
+/// Processor time of this process, in hundredths of a second; 0 where the system does not tell.
+fn cpu_seconds() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace();
+    fields.skip(11).take(2).filter_map(|v| v.parse::<f64>().ok()).sum::<f64>() / 100.0
+}
+
+fn print_row(kernel: &str, elevation_deg: f64, [wall, cpu]: [f64; 2], counts: [f64; 3], dark: f64) {
     let [heights, extremes, steps] = counts;
-    println!("{kernel:6} {elevation_deg:10} {speed:8.2} {heights:8.2} {extremes:9.2} {steps:7.2} {:8.2}", 100.0 * dark);
+    println!(
+        "{kernel:6} {elevation_deg:10} {wall:8.2} {cpu:9.2} {heights:8.2} {extremes:9.2} {steps:7.2} {:8.2}",
+        100.0 * dark
+    );
 }

@@ -30,7 +30,8 @@ pub fn compare_sweep(world: &World, suns: &[(f64, f64)], sample: usize) {
             .par_iter()
             .map(|&pick| {
                 let (i, j) = (pick as usize % columns, (pick >> 32) as usize % world.rows());
-                let margin = world.margin((i as u32) << shift, (j as u32) << shift, sun.map(|v| f64::from(v) / norm), 0.0);
+                let margin =
+                    world.margin((i as u32) << shift, (j as u32) << shift, sun.map(|v| f64::from(v) / norm), 0.0);
                 let dark = mask[j * columns + i] == 0;
                 let wrong = !margin.is_inside() && dark != (margin.angle_rad > 0.0);
                 if wrong {

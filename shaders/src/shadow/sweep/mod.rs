@@ -91,11 +91,13 @@ struct Frame {
     climb_m: f64,
     /// Share of a row that is too near to shade: a hundredth of a cell of the ray's length.
     near: f32,
+    /// More than the rounding of a level, metres.
+    slack_m: f32,
 }
 
 impl Frame {
     /// None for a sun without azimuth.
-    fn new<H>(nodes: &PlaneNodes<'_, H>, sun: [f32; 3]) -> Option<Self> {
+    fn new<H: Copy + Into<f32> + Sync>(nodes: &PlaneNodes<'_, H>, sun: [f32; 3]) -> Option<Self> {
         let [east, north, up] = sun.map(f64::from);
         let [x, y] = [east / nodes.spacing_m[0], north / nodes.spacing_m[1]];
         let (columns, rows) = (nodes.columns, nodes.rows);
@@ -106,6 +108,8 @@ impl Frame {
             return None;
         }
         let reversed = forward < 0.0;
+        let high = nodes.samples.par_iter().map(|&h| h.into().abs()).reduce(|| 0.0, f32::max) * nodes.unit_m;
+        let climb_m = up / forward.abs();
         let (cells, strides) =
             if rows_are_rows { ([rows, columns], [stride, 1]) } else { ([columns, rows], [1, stride]) };
         Some(Self {
@@ -115,7 +119,8 @@ impl Frame {
             rows_are_rows,
             reversed,
             shear: sideways / forward.abs(),
-            climb_m: up / forward.abs(),
+            climb_m,
+            slack_m: 3.0 * f32::EPSILON * (high + (climb_m.abs() * cells[0] as f64) as f32),
             near: (0.01 * nodes.spacing_m[0].min(nodes.spacing_m[1]) * forward.abs()) as f32,
         })
     }
