@@ -1,16 +1,5 @@
 // Lists of triangles, and the counts that steer the passes. Twin: src/leb/tessellate.rs.
-// use: leb_triangle
-
-struct Corner {
-    s: u32,
-    t: u32,
-    height_m: f32,
-    level: i32,
-}
-
-struct ReliefTriangle {
-    corners: array<Corner, 3>,
-}
+// use: leb_triangle leb_corner
 
 struct LebControl {
     // Triangles of the list that is read.
