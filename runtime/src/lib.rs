@@ -5,9 +5,11 @@
 //! is a mapped file; a resident set (on a GPU or in RAM) holds the tiles that are in use; any
 //! number of [`view::View`]s are drawn from one resident set.
 
+pub mod geotiff;
 pub mod gpu;
 pub mod planet;
 pub mod residency;
+pub mod sun;
 pub mod view;
 
 // The sample files of the whole-program tests.

@@ -165,7 +165,8 @@ mod tests {
             assert_eq!(area, if plane { 1 << 62 } else { 1 << 63 });
             // Inner edges run both ways; what is left lies on the map's border.
             let border = |[a, b]: &[[u32; 2]; 2]| {
-                a[1] == b[1] && (a[1] == 0 || a[1] == 1 << 31) || plane && a[0] == b[0] && (a[0] == 0 || a[0] == 1 << 31)
+                a[1] == b[1] && (a[1] == 0 || a[1] == 1 << 31)
+                    || plane && a[0] == b[0] && (a[0] == 0 || a[0] == 1 << 31)
             };
             assert!(edges.iter().all(|(edge, &sum)| (sum == 0) != border(edge)), "{edges:?}");
         }

@@ -15,7 +15,8 @@ fn orphans(planet: &TestPlanet, pages: &PageSet, camera: Camera, descents: u64, 
     let active = |t: &Triangle| t.divisible() && judge(&pages, &view, &params, &t.node(), &t.parent()).active;
     let mut found = 0;
     for n in 0..descents {
-        let mut at = triangle::start(planet.plane, (hash(n, 0, seed) % u64::from(triangle::start_count(planet.plane))) as u32);
+        let mut at =
+            triangle::start(planet.plane, (hash(n, 0, seed) % u64::from(triangle::start_count(planet.plane))) as u32);
         let mut depth = 1;
         while at.divisible() {
             let halves = at.halves();

@@ -53,10 +53,12 @@ impl PageSet {
             for y in 0..ty {
                 for x in 0..tx {
                     let here = k == root || present(k, x, y);
-                    let parents = k == root || touching(planet.plane, tiles(k + 1), x, y).into_iter().all(|p| usable[k as usize + 1][p]);
+                    let parents = k == root
+                        || touching(planet.plane, tiles(k + 1), x, y).into_iter().all(|p| usable[k as usize + 1][p]);
                     usable[k as usize].push(here && parents);
                     if here {
-                        let word = if parents { USABLE } else { 0 } | set.fill(planet, fault, &devs, &extremes, k, x, y);
+                        let word =
+                            if parents { USABLE } else { 0 } | set.fill(planet, fault, &devs, &extremes, k, x, y);
                         set.insert(key(k, x, y), word);
                     }
                 }
@@ -66,7 +68,13 @@ impl PageSet {
     }
 
     pub fn pages(&self) -> Pages<'_> {
-        Pages { planet: &self.planet, table: &self.table, heights: &self.heights, bounds: &self.bounds, seen: &self.seen }
+        Pages {
+            planet: &self.planet,
+            table: &self.table,
+            heights: &self.heights,
+            bounds: &self.bounds,
+            seen: &self.seen,
+        }
     }
 
     fn insert(&mut self, key: u32, word: u32) {

@@ -62,7 +62,9 @@ fn hard_views() {
 
 #[test]
 fn random_views() {
-    for (name, planet) in [("earth", earth(9)), ("moon", moon(8)), ("lump", lump(8)), ("egg", egg(8)), ("plain", plain(9))] {
+    for (name, planet) in
+        [("earth", earth(9)), ("moon", moon(8)), ("lump", lump(8)), ("egg", egg(8)), ("plain", plain(9))]
+    {
         let pages = PageSet::whole(&planet);
         for n in 0..12 {
             check(&planet, &pages, &format!("{name} {n}"), random(&planet, n, 11), true);
@@ -74,7 +76,9 @@ fn random_views() {
 fn missing_pages_leave_no_gaps() {
     let planet = earth(10);
     for n in 0..3 {
-        let pages = PageSet::of(&planet, Fault::None, |k, x, y| hash(u64::from(x), u64::from(y), n + 100 * u64::from(k)) % 4 != 0);
+        let pages = PageSet::of(&planet, Fault::None, |k, x, y| {
+            hash(u64::from(x), u64::from(y), n + 100 * u64::from(k)) % 4 != 0
+        });
         for n in 0..4 {
             check(&planet, &pages, &format!("missing {n}"), random(&planet, n, 12), false);
         }
