@@ -173,6 +173,6 @@ pub fn position_error(scene: &Scene<'_>) -> Result<f64, String> {
 
 /// What a bilinear height in f32 may be off: two units in the last place of the greatest.
 fn height_rounding_m(scene: &Scene<'_>) -> f64 {
-    let [min, max] = scene.planet.range().map(|q| (f64::from(q) * scene.planet.step_m).abs());
+    let [min, max] = scene.planet.range.map(|q| (f64::from(q) * scene.planet.step_m).abs());
     2.0 * f64::from(f32::EPSILON) * min.max(max)
 }

@@ -14,6 +14,8 @@ pub struct TestPlanet {
     pub columns: usize,
     pub rows: usize,
     pub q: Vec<i32>,
+    /// Least and greatest of `q`.
+    pub range: [i32; 2],
 }
 
 /// A number that looks random.
@@ -71,6 +73,10 @@ fn noise(m: u32, i: usize, j: usize, columns: usize, seed: u64, most: f64) -> i3
     (sum * most).round() as i32
 }
 
+fn range(q: &[i32]) -> [i32; 2] {
+    q.iter().fold([i32::MAX, i32::MIN], |[low, high], &v| [low.min(v), high.max(v)])
+}
+
 impl TestPlanet {
     pub fn globe(m: u32, a_m: f64, b_m: f64, step_m: f64, ground: Ground) -> Self {
         let (columns, rows) = (2 << m, (1 << m) + 1);
@@ -81,14 +87,16 @@ impl TestPlanet {
         }
         // Kernels know the axes in f32.
         let [a_m, b_m] = [a_m, b_m].map(|v| f64::from(v as f32));
-        Self { m, plane: false, a_m, b_m, step_m, unit_m: 0.0, columns, rows, q }
+        let range = range(&q);
+        Self { m, plane: false, a_m, b_m, step_m, unit_m: 0.0, columns, rows, q, range }
     }
 
     pub fn plane(m: u32, side_m: f64, step_m: f64, ground: Ground) -> Self {
         let columns = (1 << m) + 1;
-        let q = (0..columns * columns).map(|k| ground.at(m, k % columns, k / columns, columns)).collect();
+        let q: Vec<i32> = (0..columns * columns).map(|k| ground.at(m, k % columns, k / columns, columns)).collect();
+        let range = range(&q);
         let unit_m = f64::from((side_m / 2f64.powi(31)) as f32);
-        Self { m, plane: true, a_m: 0.0, b_m: 0.0, step_m, unit_m, columns, rows: columns, q }
+        Self { m, plane: true, a_m: 0.0, b_m: 0.0, step_m, unit_m, columns, rows: columns, q, range }
     }
 
     /// Node (i, j); columns wrap on a globe.
@@ -105,10 +113,6 @@ impl TestPlanet {
     /// Cells in a column.
     pub fn cells_y(&self) -> i64 {
         self.rows as i64 - 1
-    }
-
-    pub fn range(&self) -> [i32; 2] {
-        [*self.q.iter().min().unwrap(), *self.q.iter().max().unwrap()]
     }
 
     /// S_0 at fractional (column, row), metres.
@@ -134,7 +138,7 @@ impl TestPlanet {
 
     /// What kernels are told, but for the sizes of tables.
     pub fn planet(&self) -> Planet {
-        let [min, max] = self.range().map(|q| (f64::from(q) * self.step_m) as f32);
+        let [min, max] = self.range.map(|q| (f64::from(q) * self.step_m) as f32);
         let (a, b) = (self.a_m, self.b_m);
         Planet {
             m: self.m,

@@ -1,0 +1,16 @@
+//! A frame: relief triangles drawn to places, places shaded to colours.
+//!
+//! The GPU draws with its rasteriser (`wgsl/frame_draw.wgsl`) and shades with a kernel
+//! (`wgsl/frame_shade.wgsl`); here are their twins.
+
+mod clip;
+pub mod ground;
+pub mod raster;
+pub mod shade;
+pub mod style;
+pub mod uniform;
+
+pub use raster::{Places, draw};
+pub use shade::{Shaded, shade};
+pub use style::{Overlay, Style};
+pub use uniform::uniform;
