@@ -6,6 +6,7 @@ mod device;
 mod frame;
 mod heights;
 mod kernel;
+mod lists;
 mod pending;
 mod picture;
 mod present;

@@ -76,10 +76,11 @@ fn the_gpu_draws_what_the_twins_draw() {
     let mut frames = Vec::new();
     let adaptive = Settings { places: true, ..Settings::default() };
     let uniform = Settings { scheme: Scheme::Uniform { level: 2 }, ..adaptive };
+    let paper = Settings { scheme: Scheme::Paper, ..adaptive };
     let marked = Settings { overlay: Overlay::Detail, ..adaptive };
     for (n, view) in views().iter().enumerate() {
         // Marks along sides are a pixel wide, and derivatives of small triangles coarse.
-        for (settings, colour) in [(adaptive, 1e-3), (uniform, 1e-3), (marked, 2e-2)] {
+        for (settings, colour) in [(adaptive, 1e-3), (uniform, 1e-3), (paper, 1e-3), (marked, 2e-2)] {
             let [a, b] = [&mut gpu as &mut dyn Renderer, &mut cpu]
                 .map(|renderer| renderer.render_until_complete(view, &settings, LONG).unwrap());
             assert_eq!((a.stats.tiles_missing, b.stats.tiles_missing), (0, 0));
@@ -87,15 +88,34 @@ fn the_gpu_draws_what_the_twins_draw() {
             let apart = difference(&a, &b, FOCAL_PX);
             eprintln!("view {n} {settings:?}: {apart:?}");
             assert!(apart.places < 1e-3 && apart.colour < colour && apart.distance < 1e-3, "view {n}: {apart:?}");
-            if settings.scheme == Scheme::Leb {
-                assert_eq!(a.stats.triangles, b.stats.triangles);
+            if !matches!(settings.scheme, Scheme::Uniform { .. }) {
+                let [a, b] = [&a.stats, &b.stats].map(|s| [s.triangles, s.tested, s.culled, s.fillers]);
+                assert_eq!(a, b, "view {n} {settings:?}");
             }
             frames.push(a);
         }
     }
     // The comparison sees a difference where there is one.
-    let apart = difference(&frames[0], &frames[3], FOCAL_PX);
+    let apart = difference(&frames[0], &frames[4], FOCAL_PX);
     assert!(apart.places > 0.3 && apart.colour > 0.3 && apart.distance > 0.3, "{apart:?}");
+}
+
+#[test]
+fn both_backends_give_the_same_mesh() {
+    let Some(device) = support::device() else { return };
+    let planet = support::planet(&Sample::new(Body::moon(), 9));
+    let (mut gpu, mut cpu) = (gpu(&device, &planet), Cpu::new(Arc::clone(&planet), ATLAS_BYTES).unwrap());
+    for scheme in [Scheme::Leb, Scheme::Paper] {
+        let settings = Settings { scheme, ..Settings::default() };
+        let [a, b] = [&mut gpu as &mut dyn Renderer, &mut cpu].map(|renderer| {
+            renderer.render_until_complete(&views()[1], &settings, LONG).unwrap();
+            let mut mesh: Vec<[[u32; 4]; 3]> = bytemuck::cast_vec(renderer.mesh(&views()[1], scheme).unwrap());
+            mesh.sort_unstable();
+            mesh
+        });
+        assert!(a == b && a.len() > 100);
+        assert_ne!(a[1..], a[..a.len() - 1]);
+    }
 }
 
 #[test]

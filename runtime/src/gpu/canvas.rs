@@ -1,20 +1,15 @@
 //! The buffers a view is drawn with: its uniforms, lists and targets.
 
 use relief_shaders::frame::Style;
-use relief_shaders::leb::{ReliefTriangle, Triangle};
 use relief_shaders::planet as shared;
 
 use super::atlas::Atlas;
 use super::device::{Device, DeviceError};
 use super::kernel;
+use super::lists::{CAPACITY, Lists};
 use super::picture::{Groups, Picture};
 use super::targets::Targets;
-use super::tessellate::{Lists, Tessellation};
-
-/// Triangles that a pass may yield and relief triangles, to begin with; both grow when needed.
-const CAPACITY: [u32; 2] = [1 << 17, 1 << 18];
-/// Groups of 64 triangles in one dispatch.
-const MOST_GROUPS: u32 = 65_535;
+use super::tessellate::Tessellation;
 
 pub(super) struct Canvas {
     pub view: wgpu::Buffer,
@@ -27,7 +22,7 @@ pub(super) struct Canvas {
 impl Canvas {
     pub fn new(device: &Device, tessellation: &Tessellation, style: &Style) -> Self {
         let view = kernel::uniform(device, "view", &shared::View::default());
-        let lists = tessellation.lists(device, &view, CAPACITY);
+        let lists = Lists::new(device, tessellation, &view, CAPACITY);
         Self { style: kernel::uniform(device, "style", style), view, lists, sized: None }
     }
 
@@ -49,14 +44,8 @@ impl Canvas {
     /// # Errors
     /// [`DeviceError::OutOfMemory`].
     pub fn grow(&mut self, device: &Device, tessellation: &Tessellation) -> Result<bool, DeviceError> {
-        let limits = device.wgpu().limits();
-        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let [list, relief] = self.lists.capacity.map(|count| u64::from(count) * 2);
-        let bytes = [list * size_of::<Triangle>() as u64, relief * size_of::<ReliefTriangle>() as u64];
-        if bytes.into_iter().any(|bytes| bytes > most) || list > u64::from(MOST_GROUPS) * 64 {
-            return Ok(false);
-        }
-        self.lists = device.guard(|| tessellation.lists(device, &self.view, [list as u32, relief as u32]))?;
+        let Some(lists) = self.lists.doubled(device, tessellation, &self.view)? else { return Ok(false) };
+        self.lists = lists;
         self.sized = None;
         Ok(true)
     }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use relief_shaders::frame::{Places, Shaded, Style};
-use relief_shaders::leb::tessellate::PASSES;
 use relief_shaders::planet as shared;
 
 use super::atlas::Atlas;
@@ -18,7 +17,7 @@ use super::readback::{Mapping, Readback};
 use super::targets::Targets;
 use super::tessellate::Tessellation;
 use super::timestamps::Timestamps;
-use crate::frame::{Frame, RenderError, Renderer, Scheme, Settings, Stats, style_of};
+use crate::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings, Stats, style_of};
 use crate::planet::Planet;
 use crate::residency::{Progress, Resident};
 use crate::view::View;
@@ -164,11 +163,7 @@ impl Gpu {
         };
         {
             let mut pass = encoder.begin_compute_pass(&timed(0));
-            let (tessellation, device) = (&self.tessellation, &self.device);
-            match scheme {
-                Scheme::Leb => tessellation.leb(device, &mut pass, atlas, lists, (planet, view), PASSES),
-                Scheme::Uniform { level } => tessellation.uniform(device, &mut pass, atlas, lists, planet, level),
-            }
+            self.tessellation.encode(&self.device, &mut pass, (atlas, lists), (planet, view), scheme);
         }
         self.picture.draw(encoder, groups, lists, targets, self.timestamps.render(1));
         let mut pass = encoder.begin_compute_pass(&timed(2));
@@ -179,10 +174,11 @@ impl Gpu {
         let control = finished.control;
         self.stats = Stats {
             triangles: u64::from(control.relief.min(self.canvas.lists.capacity[1])),
+            fillers: u64::from(control.fillers),
             passes: control.passes,
             tested: u64::from(control.tested),
             culled: u64::from(control.culled),
-            overflow: control.overflow != 0,
+            overflow: control.overflow != 0 || control.count_in != 0,
             tiles_missing: self.resident.ask_record(&finished.seen),
             tiles_resident: self.resident.count(),
             pass_ms: finished.pass_ms,
@@ -220,6 +216,22 @@ impl Gpu {
 }
 
 impl Renderer for Gpu {
+    fn mesh(&mut self, view: &View, scheme: Scheme) -> Result<Vec<ReliefTriangle>, RenderError> {
+        self.draw(view, &Settings { scheme, ..Settings::default() })?;
+        let device = &self.device;
+        let bytes = self.stats.triangles * size_of::<ReliefTriangle>() as u64;
+        if bytes == 0 {
+            return Ok(Vec::new());
+        }
+        let mapping = device.guard(|| {
+            let mut encoder = device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let readback = Readback::first(device, &mut encoder, &self.canvas.lists.relief, bytes);
+            device.queue().submit([encoder.finish()]);
+            readback.map()
+        })?;
+        Ok(mapping.wait(device)?)
+    }
+
     fn render(&mut self, view: &View, settings: &Settings) -> Result<Frame, RenderError> {
         self.draw(view, settings)?;
         Ok(self.read(settings)?)

@@ -1,8 +1,9 @@
 //! What a submitted frame leaves to be read: the pages it asked for, counts, times.
 
+use relief_shaders::paper::Control;
+
 use super::device::{Device, DeviceError};
 use super::readback::Mapping;
-use super::tessellate::Control;
 use super::timestamps::Timestamps;
 
 /// Of a frame that may not be finished yet.
