@@ -40,6 +40,8 @@ pub struct Gpu {
     in_flight: VecDeque<Pending>,
     /// Of the last frame that was finished.
     stats: Stats,
+    /// Passes of the tessellation that are tried first: an empty one costs time too.
+    passes: u32,
 }
 
 impl Gpu {
@@ -65,6 +67,7 @@ impl Gpu {
                 style,
                 in_flight: VecDeque::new(),
                 stats: Stats::default(),
+                passes: u32::MAX,
             }
         })?;
         Ok(gpu)
@@ -110,9 +113,7 @@ impl Gpu {
                 pending.wait(&self.device, &self.timestamps)?
             };
             self.note(finished);
-            if self.stats.overflow {
-                self.canvas.grow(&self.device, &self.tessellation)?;
-            }
+            self.make_room()?;
         }
         Ok(self.stats.clone())
     }
@@ -122,10 +123,22 @@ impl Gpu {
         loop {
             let finished = self.submit(view, settings, None)?.wait(&self.device, &self.timestamps)?;
             self.note(finished);
-            if !self.stats.overflow || !self.canvas.grow(&self.device, &self.tessellation)? {
+            if !self.make_room()? {
                 return Ok(());
             }
         }
+    }
+
+    /// More passes or longer lists, if the last frame had too few; true when it is to be drawn again.
+    fn make_room(&mut self) -> Result<bool, DeviceError> {
+        if !self.stats.overflow {
+            return Ok(false);
+        }
+        if self.passes != u32::MAX {
+            self.passes = u32::MAX;
+            return Ok(true);
+        }
+        self.canvas.grow(&self.device, &self.tessellation)
     }
 
     fn submit(
@@ -163,7 +176,9 @@ impl Gpu {
         };
         {
             let mut pass = encoder.begin_compute_pass(&timed(0));
-            self.tessellation.encode(&self.device, &mut pass, (atlas, lists), (planet, view), scheme);
+            let passes = self.passes.min(Tessellation::most_passes(planet, scheme));
+            let buffers = (atlas, lists);
+            self.tessellation.encode(&self.device, &mut pass, buffers, (planet, view), (scheme, passes));
         }
         self.picture.draw(encoder, groups, lists, targets, self.timestamps.render(1));
         let mut pass = encoder.begin_compute_pass(&timed(2));
@@ -172,6 +187,8 @@ impl Gpu {
 
     fn note(&mut self, finished: Finished) {
         let control = finished.control;
+        // A few more than the last frame took, falling slowly, so that views may alternate.
+        self.passes = (control.passes + 2).max(self.passes.saturating_sub(1).min(64));
         self.stats = Stats {
             triangles: u64::from(control.relief.min(self.canvas.lists.capacity[1])),
             fillers: u64::from(control.fillers),

@@ -2,9 +2,8 @@
 //! `relief_shaders::paper`.
 
 use relief_shaders::frame::uniform::UniformMesh;
-use relief_shaders::leb::tessellate::PASSES;
-use relief_shaders::paper::{Control, patch, tessellate::passes};
-use relief_shaders::{kernels, planet as shared};
+use relief_shaders::paper::{Control, patch};
+use relief_shaders::{kernels, leb, paper, planet as shared};
 
 use super::atlas::Atlas;
 use super::device::Device;
@@ -50,22 +49,32 @@ impl Tessellation {
         }
     }
 
-    /// Adds to a pass the mesh of a view.
+    /// The passes that surely suffice.
+    pub fn most_passes(planet: &shared::Planet, scheme: Scheme) -> u32 {
+        match scheme {
+            Scheme::Leb => leb::tessellate::PASSES,
+            Scheme::Paper => paper::tessellate::passes(planet),
+            Scheme::Uniform { .. } => 1,
+        }
+    }
+
+    /// Adds to a pass the mesh of a view. At most `passes` passes are run; where that was too few,
+    /// `count_in` of the control is not 0.
     pub fn encode(
         &self,
         device: &Device,
         pass: &mut wgpu::ComputePass<'_>,
         (atlas, lists): (&Atlas, &Lists),
         (planet, view): (&shared::Planet, &shared::View),
-        scheme: Scheme,
+        (scheme, passes): (Scheme, u32),
     ) {
         lists.set(device, planet, view);
         lists.set_ready(device, &Control::default());
         match scheme {
-            Scheme::Leb => self.bisect(pass, &self.leb, (atlas, lists), 1, PASSES),
+            Scheme::Leb => self.bisect(pass, &self.leb, (atlas, lists), 1, passes),
             Scheme::Paper => {
                 let groups = patch::start_count(planet).div_ceil(GROUP);
-                self.bisect(pass, &self.paper, (atlas, lists), groups, passes(planet));
+                self.bisect(pass, &self.paper, (atlas, lists), groups, passes);
             }
             Scheme::Uniform { level } => self.uniform(device, pass, (atlas, lists), planet, level),
         }
