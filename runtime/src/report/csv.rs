@@ -17,7 +17,16 @@ pub fn meshes(rows: &[MeshRow]) -> String {
         let _ = writeln!(
             text,
             "\"{}\",{},{threshold},{},{},{:.3},{:.4},{:.4},{:.4},{:.4},{}",
-            row.view, row.scheme, row.triangles, row.passes, row.cpu_ms, e.largest_px, e.rms_px, e.largest_m, e.rms_m, e.points
+            row.view,
+            row.scheme,
+            row.triangles,
+            row.passes,
+            row.cpu_ms,
+            e.largest_px,
+            e.rms_px,
+            e.largest_m,
+            e.rms_m,
+            e.points
         );
     }
     text

@@ -9,7 +9,7 @@ use super::cameras::{Shot, shots};
 use super::mesh_error::{MeshError, measure};
 use super::{Options, ReportError};
 use crate::cpu::Cpu;
-use crate::frame::{Renderer as _, RenderError, Scheme, Settings};
+use crate::frame::{RenderError, Renderer as _, Scheme, Settings};
 use crate::planet::Planet;
 use crate::view::{Sun, View};
 
