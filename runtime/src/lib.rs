@@ -5,6 +5,8 @@
 //! is a mapped file; a resident set (on a GPU or in RAM) holds the tiles that are in use; any
 //! number of [`view::View`]s are drawn from one resident set.
 
+pub mod cpu;
+pub mod frame;
 pub mod gpu;
 pub mod planet;
 pub mod residency;

@@ -4,6 +4,7 @@
 //! same order of work. The twins are the reference in the tests and the backend without a GPU.
 
 pub mod angle;
+pub mod frame;
 pub mod kernels;
 pub mod leb;
 pub mod pages;

@@ -363,6 +363,14 @@ def local_deviation(own):
             worst = np.maximum(worst, g + np.maximum(0, np.maximum(4 * size - 3 * slope, 2 * size - slope)))
         centres.append(worst)
     value[1::2, 1::2] = np.where((x + y) % 2 == 0, centres[0], centres[1])
+    # What lies below: V of each cell between four nodes, for the sides that it touches.
+    d = np.pad(np.abs(own[:-1, :-1] - own[:-1, 1:] - own[1:, :-1] + own[1:, 1:]), 1)
+    at = [[d[b:b + 256, a:a + 256] for a in range(3)] for b in range(3)]
+    edges = np.maximum.reduce([at[0][1], at[1][0], at[1][2], at[2][1]])
+    corners = np.maximum.reduce([at[0][0], at[0][2], at[2][0], at[2][2]])
+    v = np.pad(np.maximum.reduce([4 * at[1][1], edges, (corners + 3) >> 2]), 1)
+    raised = np.maximum.reduce([value, v[:-1, :-1], v[:-1, 1:], v[1:, :-1], v[1:, 1:]])
+    value[::2, 1::2], value[1::2, ::2] = raised[::2, 1::2], raised[1::2, ::2]
     code = _code(value)
     sides = [code[:-1:2, 1::2], code[2::2, 1::2], code[1::2, :-1:2], code[1::2, 2::2]]
     code[1::2, 1::2] = np.maximum.reduce([code[1::2, 1::2]] + sides)

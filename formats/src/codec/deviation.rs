@@ -4,7 +4,7 @@
 //! frame. Centres are grouped by how much rougher than the centre its neighbours look. A side is
 //! never above the centres of the two cells that share it (saturation), so sides are grouped by
 //! the room between the local code and the lower of these centres, the lid. At level 0 the local
-//! codes are right but on the tile's edge.
+//! codes are right but in the two outermost rows and columns.
 
 use super::CodecError;
 use super::nodes::HALF;

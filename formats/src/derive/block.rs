@@ -11,6 +11,7 @@ use super::field::{Field, Window};
 use super::interval::{Interval, intervals_into};
 use super::lanes::SPAN;
 use super::mip::mip_into;
+use super::virtual_cells::virtual_centres;
 
 /// What is known at the level where a stage starts, and what a stage hands on. All windows but
 /// `extremes` include the padding.
@@ -96,7 +97,10 @@ pub fn derive_block(base: Base, core: Window, levels: u32, absent: Option<&Absen
     let first = base.level;
     let (mut intervals, lowest, mut centre_codes, known) = match base.below {
         Some(below) => (vec![Some(below.intervals)], Some(below.extremes), Some(below.centres), below.distances),
-        None => (vec![None], None, None, Vec::new()),
+        None => {
+            let codes = virtual_centres(&base.nodes, core.expand(padding(levels) - 1));
+            (vec![None], None, Some(codes), Vec::new())
+        }
     };
     let mut nodes = vec![base.nodes];
     let mut mips = vec![base.mip];

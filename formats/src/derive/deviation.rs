@@ -6,7 +6,8 @@
 //! south-east to north-west. Any other is the midpoint of a cell's side, and the apexes are the
 //! centres of the two cells that share it. The deviation is the largest |S_0 - T| over the two
 //! triangles, heights along the normal and T planar in (column, row, height), and it is saturated:
-//! not below those of the (up to four) nodes that halve the triangles' children.
+//! not below those of the (up to four) nodes that halve the triangles' children. It so bounds all
+//! that can be drawn, for the bisection goes on below level 0 ([`super::virtual_cells`]).
 
 use multiversion::multiversion;
 
@@ -27,8 +28,8 @@ pub struct Sources<'a> {
     pub nodes: &'a Field<i32>,
     /// I_g for the cells of level g; `None` where g = 0.
     pub intervals: Option<&'a Field<Interval>>,
-    /// Codes of level k - 1 at its (odd, odd) nodes, one for each cell of level k; `None` for
-    /// level 0.
+    /// Codes of level k - 1 at its (odd, odd) nodes, one for each cell of level k; for level 0
+    /// those of [`super::virtual_cells`]. `None`: not raised to children.
     pub children: Option<&'a Field<u8>>,
     /// k - g, 0 to 3.
     pub span: u32,

@@ -10,6 +10,7 @@
 //! | [`extremes`] | (min, max) of S_0 per cell of level k + 1 | nodes of level 0, or extremes of k - 1 |
 //! | [`interval`] | range of S_0 - S_k per cell of level k | nodes and intervals of level max(0, k - 3) |
 //! | [`deviation`] | codes of the nodes new at level k | nodes and intervals of level max(0, k - 3), codes of k - 1 |
+//! | [`virtual_cells`] | codes that stand for level -1 where k = 0 | nodes of level 0 |
 //! | [`local`] | a predictor of those codes | nodes of level k alone |
 //! | [`crown`] | codes above the coarsest stored level | nodes and codes of the root level |
 //!
@@ -30,6 +31,7 @@ mod lanes;
 pub mod local;
 pub mod mip;
 mod parted;
+pub mod virtual_cells;
 
 #[cfg(test)]
 mod oracle;

@@ -49,10 +49,14 @@ fn surface(h: &Heights, x: f64, y: f64) -> f64 {
     south * (1.0 - t) + north * t
 }
 
-/// The largest |S_0 - plane| over a triangle: all nodes in it, and points along its three edges
-/// (each crosses a cell's interior only on a diagonal).
-pub(super) fn distance(h: &Heights, corners: [(i32, i32); 3]) -> f64 {
-    let [a, b, c] = corners.map(|(x, y)| (f64::from(x), f64::from(y), height(h, x, y)));
+/// The largest |S_0 - plane| over a triangle, its corners in parts of a cell, `parts` to each: all
+/// nodes in it, and points along its three edges (each crosses a cell's interior only on a diagonal,
+/// or the triangle lies in one cell, where S_0 - plane is a saddle).
+pub(super) fn distance(h: &Heights, corners: [(i32, i32); 3], parts: i32) -> f64 {
+    let [a, b, c] = corners.map(|(x, y)| {
+        let (x, y) = (f64::from(x) / f64::from(parts), f64::from(y) / f64::from(parts));
+        (x, y, surface(h, x, y))
+    });
     let det = (b.0 - a.0) * (c.1 - a.1) - (c.0 - a.0) * (b.1 - a.1);
     let gap = |x: f64, y: f64| {
         let v = ((x - a.0) * (c.1 - a.1) - (c.0 - a.0) * (y - a.1)) / det;
@@ -62,8 +66,8 @@ pub(super) fn distance(h: &Heights, corners: [(i32, i32); 3]) -> f64 {
     };
     let mut largest = 0f64;
     let range = |f: fn(&(i32, i32)) -> i32| {
-        let low = corners.iter().map(f).min().unwrap();
-        low..=corners.iter().map(f).max().unwrap()
+        let low = corners.iter().map(f).min().unwrap().div_euclid(parts);
+        low..=corners.iter().map(f).max().unwrap().div_euclid(parts)
     };
     for y in range(|p| p.1) {
         for x in range(|p| p.0) {
@@ -71,7 +75,7 @@ pub(super) fn distance(h: &Heights, corners: [(i32, i32); 3]) -> f64 {
         }
     }
     for (p, q) in [(a, b), (b, c), (c, a)] {
-        let steps = 8 * ((q.0 - p.0).abs().max((q.1 - p.1).abs())) as i32;
+        let steps = 8 * (q.0 - p.0).abs().max((q.1 - p.1).abs()).ceil() as i32;
         for s in 0..=steps {
             let f = f64::from(s) / f64::from(steps);
             let d = gap(p.0 + f * (q.0 - p.0), p.1 + f * (q.1 - p.1));
@@ -81,7 +85,8 @@ pub(super) fn distance(h: &Heights, corners: [(i32, i32); 3]) -> f64 {
     largest
 }
 
-/// The two triangles that node (i, j) of level k parts, apex last, in level-0 indices.
+/// The two triangles that node (i, j) of level k parts, apex last, in level-0 indices; with k
+/// counted from a virtual level on, in its parts of a cell.
 pub(super) fn triangles(k: u32, i: i32, j: i32) -> [[(i32, i32); 3]; 2] {
     let at = |x: i32, y: i32| (x << k, y << k);
     let (odd_x, odd_y) = (i.rem_euclid(2) == 1, j.rem_euclid(2) == 1);
@@ -101,28 +106,35 @@ pub(super) fn triangles(k: u32, i: i32, j: i32) -> [[(i32, i32); 3]; 2] {
     }
 }
 
-/// A node of a level.
-type Node = (u32, i32, i32);
+/// A node of a level; level -1 is the first below level 0.
+type Node = (i32, i32, i32);
 
 /// True deviations, each worked out once.
 pub(super) struct Truth<'a> {
     heights: &'a Heights,
+    depth: i32,
     own: HashMap<Node, f64>,
     saturated: HashMap<Node, f64>,
 }
 
 impl<'a> Truth<'a> {
-    pub(super) fn new(heights: &'a Heights) -> Self {
-        Self { heights, own: HashMap::new(), saturated: HashMap::new() }
+    /// `depth` levels below level 0 count.
+    pub(super) fn new(heights: &'a Heights, depth: i32) -> Self {
+        Self { heights, depth, own: HashMap::new(), saturated: HashMap::new() }
+    }
+
+    /// In parts of a cell of level 0, 2^`depth` to each.
+    fn triangles(&self, (k, i, j): Node) -> [[(i32, i32); 3]; 2] {
+        triangles((k + self.depth) as u32, i, j)
     }
 
     /// The largest distance over the node's own two triangles.
-    pub(super) fn own(&mut self, (k, i, j): Node) -> f64 {
-        let heights = self.heights;
+    pub(super) fn own(&mut self, node: Node) -> f64 {
+        let (heights, triangles, parts) = (self.heights, self.triangles(node), 1 << self.depth);
         *self
             .own
-            .entry((k, i, j))
-            .or_insert_with(|| triangles(k, i, j).map(|t| distance(heights, t)).into_iter().fold(0.0, f64::max))
+            .entry(node)
+            .or_insert_with(|| triangles.map(|t| distance(heights, t, parts)).into_iter().fold(0.0, f64::max))
     }
 
     /// Not below those of its children: for each triangle (a, b, apex), the middles of its legs.
@@ -131,13 +143,13 @@ impl<'a> Truth<'a> {
             return d;
         }
         let mut d = self.own((k, i, j));
-        for [a, b, apex] in triangles(k, i, j) {
+        for [a, b, apex] in self.triangles((k, i, j)) {
             for end in [a, b] {
                 let sum = (end.0 + apex.0, end.1 + apex.1);
                 if sum.0 % 2 == 0 && sum.1 % 2 == 0 {
                     let (x, y) = (sum.0 / 2, sum.1 / 2);
-                    let level = (x | y).trailing_zeros();
-                    d = d.max(self.saturated((level, x >> level, y >> level)));
+                    let up = (x | y).trailing_zeros() as i32;
+                    d = d.max(self.saturated((up - self.depth, x >> up, y >> up)));
                 }
             }
         }
@@ -151,7 +163,7 @@ impl<'a> Truth<'a> {
 pub(super) fn judge(heights: &Heights, core: Window, levels: u32) -> Vec<f64> {
     let base = Base { level: 0, nodes: heights.clone(), mip: None, below: None };
     let block = derive_block(base, core, levels, None);
-    let mut truth = Truth::new(heights);
+    let mut truth = Truth::new(heights, 2);
     block.levels.iter().map(|plane| ratio(plane.level, &plane.deviations, &mut truth)).collect()
 }
 
@@ -166,7 +178,7 @@ pub(super) fn ratio(level: u32, codes: &Field<u8>, truth: &mut Truth<'_>) -> f64
                 continue;
             }
             let bound = f64::from(decode_deviation(codes.at(i, j)));
-            let exact = truth.saturated((level, i, j));
+            let exact = truth.saturated((level as i32, i, j));
             assert!(bound >= exact - 1e-9, "level {level} ({i}, {j}): bound {bound} below {exact}");
             assert!(exact > 0.0 || bound < 1.0, "level {level} ({i}, {j}): {bound} where all is plane");
             if exact > 1.0 {

@@ -1,10 +1,12 @@
 //! Whole blocks against the f64 oracle.
 
 use super::block::{Base, Below, Block, derive_block, padding};
+use super::code::{decode_deviation, encode_deviation};
 use super::deviation::{Sources, centres, deviations};
 use super::field::{Field, Window};
 use super::local::local_deviation;
 use super::oracle::{Heights, Truth, judge, noise, ratio, terrain};
+use super::virtual_cells::{raise_interpolated, virtual_centres};
 use proptest::prelude::*;
 
 /// Off the origin, so that both signs and both parities of a cell's indices occur.
@@ -39,7 +41,7 @@ fn a_second_stage_bounds_too() {
     assert_eq!(first.next.level, 5);
     let core5 = Window::new(core.x0 >> 5, core.y0 >> 5, core.nx >> 5, core.ny >> 5);
     let second = derive_block(first.next, core5, 3, None);
-    let mut truth = Truth::new(&heights);
+    let mut truth = Truth::new(&heights, 0);
     for plane in &second.levels {
         let cells = Window::new(
             core5.x0 >> (plane.level - 5),
@@ -111,7 +113,7 @@ fn a_code_too_low_is_caught() {
     for code in codes.data_mut() {
         *code = code.saturating_sub(3);
     }
-    ratio(2, &codes, &mut Truth::new(&heights));
+    ratio(2, &codes, &mut Truth::new(&heights, 2));
 }
 
 #[test]
@@ -221,6 +223,26 @@ proptest! {
         }
     }
 
+    /// Four virtual levels show no more than two, and a side's code is the first that holds them.
+    #[test]
+    fn sides_of_level_0_hold_what_lies_below_and_no_more(seed: u64, bits in 1u32..25, spikes: bool) {
+        let core = Window::new(-4, 4, 8, 8);
+        let heights = Field::from_fn(core.expand(padding(1)).nodes(), |x, y| {
+            let word = noise(x, y, seed);
+            if spikes && !word.is_multiple_of(16) { 0 } else { ((word >> (64 - bits)) as i64 - (1 << (bits - 1))) as i32 }
+        });
+        let block = derive_block(Base { level: 0, nodes: heights.clone(), mip: None, below: None }, core, 1, None);
+        let codes = &block.levels[0].deviations;
+        let mut truth = Truth::new(&heights, 4);
+        for y in core.y0..=core.y1() {
+            for x in (core.x0..=core.x1()).filter(|x| (x + y) % 2 != 0) {
+                let exact = truth.saturated((0, x, y));
+                prop_assert!(f64::from(decode_deviation(codes.at(x, y))) >= exact);
+                prop_assert!(codes.at(x, y) <= encode_deviation((exact + 1.0 / 16.0) as f32));
+            }
+        }
+    }
+
     #[test]
     fn local_codes_are_the_codes_of_level_0(seed: u64, bits in 1u32..25, half_side in 2usize..20) {
         let side = 2 * half_side + 1;
@@ -229,15 +251,16 @@ proptest! {
         let nodes = Field::from_fn(window, |x, y| ((noise(x, y, seed) >> (64 - bits)) as i64 - low) as i32);
         let tile = Window::new(0, 0, side, side);
         let local = local_deviation(nodes.crop(tile).data(), side).unwrap();
-        let sources = Sources { nodes: &nodes, intervals: None, children: None, span: 0, distances: None };
+        let children = virtual_centres(&nodes, tile.cells().expand(1));
+        let sources = Sources { nodes: &nodes, intervals: None, children: Some(&children), span: 0, distances: None };
         let codes = deviations(&sources, Window::new(0, 0, half_side, half_side));
         let last = side - 1;
         for y in 0..side {
             for x in 0..side {
-                let border = x == 0 || y == 0 || x == last || y == last;
-                let near = x & y & 1 == 1 && (x == 1 || y == 1 || x + 1 == last || y + 1 == last);
+                // A side looks two cells far, a centre at its four sides.
+                let near = x.min(y).min(last - x).min(last - y) < 2;
                 let (here, true_code) = (local[y * side + x], codes.data()[y * side + x]);
-                if border || near {
+                if near {
                     prop_assert!(here <= true_code);
                 } else {
                     prop_assert_eq!(here, true_code);
@@ -277,6 +300,24 @@ proptest! {
             }
             expected[((2 * cy + 1) * side + 2 * cx + 1) as usize] = centre;
         }
+        let twist = |x: i64, y: i64| match (0..8).contains(&x) && (0..8).contains(&y) {
+            true => (h(x, y) + h(x + 1, y + 1) - h(x + 1, y) - h(x, y + 1)).abs(),
+            false => 0,
+        };
+        for (x, y) in (0..9).flat_map(|y| (0..9).map(move |x| (x, y))).filter(|(x, y)| (x + y) % 2 == 1) {
+            for (dx, dy) in [(-1, -1), (0, -1), (-1, 0), (0, 0)].map(|(dx, dy)| (x + dx, y + dy)) {
+                let reach = (-1..=1).flat_map(|b| (-1..=1).map(move |a| (a, b)));
+                let v = reach.map(|(a, b): (i64, i64)| match a.abs() + b.abs() {
+                    0 => 4 * twist(dx, dy),
+                    1 => twist(dx + a, dy + b),
+                    _ => (twist(dx + a, dy + b) + 3) / 4,
+                });
+                if (0..8).contains(&dx) && (0..8).contains(&dy) {
+                    let side_value = &mut expected[(y * side + x) as usize];
+                    *side_value = v.fold(*side_value, i64::max);
+                }
+            }
+        }
         let code = |v: i64| match (2 * v.min(1 << 29) - 1, v) {
             (_, 0) => 0,
             (z, _) if z < 4 => 1,
@@ -293,6 +334,46 @@ proptest! {
             }
         }
         prop_assert_eq!(local_deviation(&nodes, 9).unwrap(), codes);
+    }
+}
+
+/// Level-3 cells that level 2 on only interpolates, rounded level by level, beside cells with noise.
+#[test]
+fn centres_above_interpolation_hold_all_below() {
+    let core = Window::new(0, 0, 48, 48);
+    let rough = |x: i32, y: i32| x < 0 || y < 8;
+    for (seed, bits) in [(1, 3), (2, 9), (3, 20)] {
+        let noisy = |x: i32, y: i32, bits: u32| (noise(x, y, seed) >> (64 - bits)) as i32 - (1 << (bits - 1));
+        let mut heights = Field::from_fn(core.expand(32).nodes(), |x, y| noisy(x, y, bits));
+        for level in [2, 1, 0] {
+            let up = 2 << level;
+            let coarse = heights.clone();
+            let between = |v: i32| (v.div_euclid(up) * up, (v + up - 1).div_euclid(up) * up);
+            heights = Field::from_fn(coarse.window(), |x, y| {
+                if (x | y) % (1 << level) != 0 || rough(x - 1, y - 1) {
+                    return coarse.at(x, y);
+                }
+                let ((w, e), (s, n)) = (between(x), between(y));
+                (coarse.at(w, s) + coarse.at(e, s) + coarse.at(w, n) + coarse.at(e, n) + 2) >> 2
+            });
+        }
+        let nodes = heights.decimate().decimate().decimate();
+        let cells = Window::new(-2, -2, 9, 9);
+        let mut truth = Truth::new(&heights, 2);
+        let known = |x: i32, y: i32| rough(8 * x, 8 * y);
+        let mut exact = |x: i32, y: i32| truth.saturated((2, 2 * x + 1, 2 * y + 1));
+        let mut codes = Field::from_fn(cells, |x, y| match known(x, y) {
+            true => encode_deviation(exact(x, y) as f32),
+            false => 0,
+        });
+        raise_interpolated(&mut codes, &nodes, 8 * 3, |x, y| !known(x, y));
+        let mut raised = 0;
+        for (x, y) in (1..6).flat_map(|y| (0..6).map(move |x| (x, y))) {
+            let (bound, exact) = (f64::from(decode_deviation(codes.at(x, y))), exact(x, y));
+            assert!(bound >= exact, "({x}, {y}) at {bits} bits: {bound} below {exact}");
+            raised += u32::from(exact > 0.0);
+        }
+        assert!(raised > 12, "{raised}");
     }
 }
 

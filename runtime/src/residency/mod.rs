@@ -137,6 +137,12 @@ impl<S: Store> Resident<S> {
         &mut self.store
     }
 
+    /// Pages in the atlas.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.slots.len()
+    }
+
     /// The entries of the page table.
     #[must_use]
     pub fn table(&self) -> &[[u32; 2]] {

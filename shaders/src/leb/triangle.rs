@@ -127,10 +127,13 @@ pub fn start_exponent(plane: bool) -> u32 {
     if plane { 29 } else { 28 }
 }
 
+/// Triangles to start with, at most.
+pub const START_MOST: u32 = 64;
+
 /// How many triangles there are to start with.
 #[must_use]
 pub fn start_count(plane: bool) -> u32 {
-    if plane { 8 } else { 64 }
+    if plane { 8 } else { START_MOST }
 }
 
 /// Triangle `index` of the start: cells row by row, two in each. A cell's diagonal runs from
@@ -165,7 +168,8 @@ mod tests {
             assert_eq!(area, if plane { 1 << 62 } else { 1 << 63 });
             // Inner edges run both ways; what is left lies on the map's border.
             let border = |[a, b]: &[[u32; 2]; 2]| {
-                a[1] == b[1] && (a[1] == 0 || a[1] == 1 << 31) || plane && a[0] == b[0] && (a[0] == 0 || a[0] == 1 << 31)
+                a[1] == b[1] && (a[1] == 0 || a[1] == 1 << 31)
+                    || plane && a[0] == b[0] && (a[0] == 0 || a[0] == 1 << 31)
             };
             assert!(edges.iter().all(|(edge, &sum)| (sum == 0) != border(edge)), "{edges:?}");
         }

@@ -40,9 +40,8 @@ pub fn virtual_cells(pages: &Pages<'_>, node: &Node) -> VirtualCells {
     let columns = pages.tiles_x(0) << 8;
     let rows = pages.tiles_y(0) << 8;
     let column_mask = if planet.plane != 0 { u32::MAX } else { (columns << fold).wrapping_sub(1) };
-    let cell_of = |dx: i32, dy: i32| {
-        [(x.wrapping_add(dx as u32) & column_mask) >> fold, y.wrapping_add(dy as u32) >> fold]
-    };
+    let cell_of =
+        |dx: i32, dy: i32| [(x.wrapping_add(dx as u32) & column_mask) >> fold, y.wrapping_add(dy as u32) >> fold];
     let mut out = VirtualCells::default();
     for dy in south..=north {
         for dx in west..=east {

@@ -2,10 +2,10 @@
 
 use super::planet::TestPlanet;
 
-/// Deviations of the nodes of each stored level, metres, row by row; columns as the map's.
+/// Deviations of the nodes of each level up to the start's, metres, row by row.
 pub fn deviations(planet: &TestPlanet, saturated: bool) -> Vec<Vec<f64>> {
     let mut levels: Vec<Vec<f64>> = Vec::new();
-    for k in 0..=planet.m - 8 {
+    for k in 0..=planet.m - 2 - u32::from(!planet.plane) {
         let (w, h) = (planet.cells_x() >> k, planet.cells_y() >> k);
         let columns = if planet.plane { w + 1 } else { w };
         let mut level = vec![0.0; (columns * (h + 1)) as usize];
@@ -21,7 +21,8 @@ pub fn deviations(planet: &TestPlanet, saturated: bool) -> Vec<Vec<f64>> {
                     let mut most = 0f64;
                     for [a, b, c] in triangles(i, j) {
                         if inside(a.0, a.1) && inside(b.0, b.1) && inside(c.0, c.1) {
-                            most = most.max(distance_q(planet, [a, b, c].map(|(x, y)| (x << k, y << k))) * planet.step_m);
+                            most =
+                                most.max(distance_q(planet, [a, b, c].map(|(x, y)| (x << k, y << k))) * planet.step_m);
                         }
                     }
                     if saturated && centres {
@@ -29,7 +30,12 @@ pub fn deviations(planet: &TestPlanet, saturated: bool) -> Vec<Vec<f64>> {
                             most = most.max(level[at(x, y)]);
                         }
                     } else if saturated {
-                        for (x, y) in [(2 * i - 1, 2 * j - 1), (2 * i + 1, 2 * j - 1), (2 * i - 1, 2 * j + 1), (2 * i + 1, 2 * j + 1)] {
+                        for (x, y) in [
+                            (2 * i - 1, 2 * j - 1),
+                            (2 * i + 1, 2 * j - 1),
+                            (2 * i - 1, 2 * j + 1),
+                            (2 * i + 1, 2 * j + 1),
+                        ] {
                             most = most.max(centre_below(planet, &levels, k, x, y));
                         }
                     }
@@ -57,7 +63,8 @@ fn centre_below(planet: &TestPlanet, levels: &[Vec<f64>], k: u32, x: i64, y: i64
     let mut most = 0f64;
     for dy in -1..=1i64 {
         for dx in -1..=1i64 {
-            most = most.max(twist_m(planet, cell_x + dx, cell_y + dy) / 4f64.powi(1 + dx.abs() as i32 + dy.abs() as i32));
+            most =
+                most.max(twist_m(planet, cell_x + dx, cell_y + dy) / 4f64.powi(1 + dx.abs() as i32 + dy.abs() as i32));
         }
     }
     most

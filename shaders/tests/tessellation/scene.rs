@@ -50,7 +50,8 @@ impl<'a> Scene<'a> {
     /// The first point of S_0 on a ray, if the march meets one: (S, T).
     pub fn first_hit(&self, direction: Vec3, steps: u32) -> Option<[f64; 2]> {
         let top = self.camera.height_m.max(f64::from(self.view.camera_h_hi_m)).abs();
-        let far = 4.0 * (self.planet.a_m + top) + if self.planet.plane { 2f64.powi(32) * self.planet.unit_m } else { 0.0 };
+        let far =
+            4.0 * (self.planet.a_m + top) + if self.planet.plane { 2f64.powi(32) * self.planet.unit_m } else { 0.0 };
         let at = |r: f64| self.camera.geodetic(self.planet, direction.map(|v| v * r));
         let below = |[s, t, h]: [f64; 3]| self.on_map(s, t) && h < self.planet.height_m(s, t);
         if below(at(0.0)) {

@@ -27,7 +27,10 @@ pub fn hard(planet: &TestPlanet) -> Vec<(&'static str, Camera)> {
         ("over the south pole", Camera { t: 0, height_m: above(s, 0, far), pitch_deg: -90.0, ..BASE }),
         ("over the north pole", Camera { t: north, height_m: above(s, north, far), pitch_deg: -60.0, ..BASE }),
         ("near a pole", Camera { t: north - 0x10_0003, height_m: above(s, north - 0x10_0003, far), ..BASE }),
-        ("at the antimeridian", Camera { s: 5, height_m: above(5, t, far), pitch_deg: -40.0, heading_deg: 270.0, ..BASE }),
+        (
+            "at the antimeridian",
+            Camera { s: 5, height_m: above(5, t, far), pitch_deg: -40.0, heading_deg: 270.0, ..BASE },
+        ),
         ("on the seam", Camera { s: 0, height_m: above(0, t, 10.0 * far), pitch_deg: -90.0, roll_deg: 25.0, ..BASE }),
         ("horizon", Camera { height_m: above(s, t, far), pitch_deg: 0.0, ..BASE }),
         ("one metre up", Camera { height_m: above(s, t, 1.0), pitch_deg: -5.0, ..BASE }),

@@ -1,20 +1,15 @@
-// Lists of triangles, and the counts that steer the passes. Twin: src/leb/tessellate.rs.
-// use: leb_triangle leb_corner
+// Lists of triangles. Twin: src/leb/tessellate.rs.
+// use: leb_triangle leb_control
 
-struct LebControl {
-    // Triangles of the list that is read.
-    count_in: u32,
-    // Triangles asked to be put in the list that is written.
-    count_out: atomic<u32>,
-    // Relief triangles asked to be drawn.
-    relief: atomic<u32>,
-    // 1 when a list was full.
-    overflow: atomic<u32>,
-    tested: atomic<u32>,
-    culled: atomic<u32>,
-    passes: u32,
-    // 1 when the horizon hides.
-    horizon: u32,
+struct Corner {
+    s: u32,
+    t: u32,
+    height_m: f32,
+    level: i32,
+}
+
+struct ReliefTriangle {
+    corners: array<Corner, 3>,
 }
 
 @group(1) @binding(2) var<storage, read> list_in: array<Triangle>;

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use relief_formats::derive::deviation::{CellDistances, Sources, cell_distances};
 use relief_formats::derive::extremes::Extremes;
 use relief_formats::derive::interval::Interval;
-use relief_formats::derive::{Base, Below, Field, Window, encode_deviation};
+use relief_formats::derive::virtual_cells::raise_interpolated;
+use relief_formats::derive::{Base, Below, Field, Window};
 
 use super::compose::Composer;
 use super::plan::{BLOCK_CELLS, BLOCK_LEVELS};
@@ -73,6 +74,16 @@ impl<'a> Handoffs<'a> {
             let (x, y) = plan.grid.home_cell(level, x, y);
             (blocks[&(x / SIDE, y / SIDE)].base.below.as_ref(), x, y)
         };
+        let mut centres = Field::from_fn(padded, |x, y| {
+            let (below, x, y) = cell(x, y);
+            below.map_or(0, |b| b.centres.at(x, y))
+        });
+        if blocks.keys().any(|key| !self.blocks.contains_key(key)) {
+            raise_interpolated(&mut centres, &base_nodes, self.rounding(), |x, y| {
+                let (x, y) = plan.grid.home_cell(level, x, y);
+                !self.blocks.contains_key(&(x / SIDE, y / SIDE))
+            });
+        }
         let below = Below {
             intervals: Field::from_fn(padded, |x, y| {
                 let (below, x, y) = cell(x, y);
@@ -82,10 +93,7 @@ impl<'a> Handoffs<'a> {
                 let (below, x, y) = cell(x, y);
                 below.map_or_else(Extremes::default, |b| b.extremes.at(x, y))
             }),
-            centres: Field::from_fn(padded, |x, y| {
-                let (below, x, y) = cell(x, y);
-                below.map_or(0, |b| b.centres.at(x, y))
-            }),
+            centres,
             distances: (0..DISTANCE_LEVELS)
                 .map(|i| {
                     let up = i + 1;
@@ -129,14 +137,19 @@ impl<'a> Handoffs<'a> {
         Ok(blocks)
     }
 
-    /// The summary of a block that has no tiles: below this level its nodes are interpolated.
+    /// Each level of interpolation rounds by at most half a step: 8 sixteenths.
+    fn rounding(&self) -> i32 {
+        8 * self.level as i32
+    }
+
+    /// The summary of a block that has no tiles: below this level its nodes are interpolated. The
+    /// codes of its centres depend on its neighbours and are left at 0.
     fn made_up(&self, (bx, by): (i32, i32)) -> Result<Handoff, ToolError> {
         let core = Window::new(bx * SIDE, by * SIDE, SIDE as usize, SIDE as usize);
         let composed = self.composer.window(self.level, core.nodes())?;
         let nodes = composed.q;
         let corners = |x, y| [nodes.at(x, y), nodes.at(x + 1, y), nodes.at(x, y + 1), nodes.at(x + 1, y + 1)];
-        // Each level of interpolation rounds by at most half a step: 8 sixteenths.
-        let rounding = 8 * self.level as i32;
+        let rounding = self.rounding();
         let intervals = Field::from_fn(core, |x, y| {
             let c = corners(x, y);
             let range = |f: fn(i32, i32) -> i32| c.iter().copied().reduce(f).unwrap_or(c[0]);
@@ -147,11 +160,6 @@ impl<'a> Handoffs<'a> {
         let extremes = Field::from_fn(core, |x, y| {
             let c = corners(x, y);
             c.iter().fold(Extremes { min: c[0], max: c[0] }, |e, &q| Extremes { min: e.min.min(q), max: e.max.max(q) })
-        });
-        let centres = Field::from_fn(core, |x, y| {
-            let [a, b, c, d] = corners(x, y);
-            let twist = (a + d - b - c).abs() as f32 / 4.0;
-            if a == b && b == c && c == d { 0 } else { encode_deviation(twist + rounding as f32 / 8.0) }
         });
         let distances = (0..DISTANCE_LEVELS)
             .map(|i| {
@@ -167,7 +175,7 @@ impl<'a> Handoffs<'a> {
                 cell_distances(&sources, window)
             })
             .collect();
-        let below = Below { intervals, extremes, centres, distances };
+        let below = Below { intervals, extremes, centres: Field::new(core), distances };
         let base = Base { level: self.level, mip: Some(nodes.clone()), nodes, below: Some(below) };
         Ok(Handoff { base, filled: composed.filled })
     }

@@ -1,6 +1,6 @@
 //! What will be baked: the grid, the step, and which tiles the file will have.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 use relief_formats::codec::nodes::SAMPLE_LIMIT;
 use relief_formats::file::header::STEP_EXPONENTS;
@@ -63,23 +63,19 @@ impl Plan {
 
     fn find_tiles(&mut self, sources: &SourceSet) {
         let root = self.grid.root_level();
-        let mut level_keys: Vec<TileKey> = (0..self.grid.tiles_y(root))
-            .flat_map(|y| (0..self.grid.tiles_x(root)).map(move |x| TileKey::new(root, x, y)))
-            .collect();
-        let mut total = 0u64;
-        for level in (0..=root).rev() {
-            if level < root {
-                level_keys = level_keys
-                    .iter()
-                    .flat_map(|p| (0..4).map(move |q| TileKey::new(level, 2 * p.x + (q & 1), 2 * p.y + (q >> 1))))
-                    .filter(|&key| self.has_source(sources, key))
-                    .collect();
-            }
-            total += level_keys.len() as u64;
-            self.present.extend(&level_keys);
+        let every = (0..self.grid.tiles_y(root)).flat_map(|y| (0..self.grid.tiles_x(root)).map(move |x| (x, y)));
+        let mut levels: Vec<BTreeSet<TileKey>> = vec![every.map(|(x, y)| TileKey::new(root, x, y)).collect()];
+        for level in (0..root).rev() {
+            let parents = levels.last().into_iter().flatten();
+            let quadrants =
+                parents.flat_map(|p| (0..4).map(move |q| TileKey::new(level, 2 * p.x + (q & 1), 2 * p.y + (q >> 1))));
+            let keys = quadrants.filter(|&key| self.has_source(sources, key)).collect();
+            levels.push(keys);
         }
-        let all: u64 = (0..=root).map(|l| u64::from(self.grid.tiles_x(l)) * u64::from(self.grid.tiles_y(l))).sum();
-        self.dense = total == all;
+        balance(&self.grid, &mut levels);
+        self.present = levels.into_iter().flatten().collect();
+        let all: usize = (0..=root).map(|l| self.grid.tiles_x(l) as usize * self.grid.tiles_y(l) as usize).sum();
+        self.dense = self.present.len() == all;
     }
 
     fn has_source(&self, sources: &SourceSet, key: TileKey) -> bool {
@@ -144,5 +140,84 @@ impl Plan {
             format!("a height is less than 2^23 = {} steps", SAMPLE_LIMIT + 1),
             "choose a larger --step, or name the void value with --nodata",
         ))
+    }
+}
+
+/// Adds the tiles that a tile needs around it, `levels` having the root's tiles first: all tiles of
+/// the level above that its area touches, its edges and corners included. Across the edge of a tile
+/// the levels then differ by one at most, and a mesh can close it.
+fn balance(grid: &Grid, levels: &mut [BTreeSet<TileKey>]) {
+    for at in (1..levels.len()).rev() {
+        let (above, here) = levels.split_at_mut(at);
+        let touched = here[0].iter().flat_map(|&key| touched_above(grid, key));
+        above[at - 1].extend(touched);
+    }
+}
+
+/// The tiles of the level above whose areas meet a tile's: its parent and up to three more.
+fn touched_above(grid: &Grid, key: TileKey) -> impl Iterator<Item = TileKey> {
+    let level = key.level + 1;
+    let (columns, rows) = (grid.tiles_x(level) as i32, grid.tiles_y(level) as i32);
+    // A quadrant's outer edges lie on its parent's.
+    let outer = |v: u32| (v >> 1) as i32 + if v & 1 == 0 { -1 } else { 1 };
+    let (xs, ys) = ([(key.x >> 1) as i32, outer(key.x)], [(key.y >> 1) as i32, outer(key.y)]);
+    let wraps = !grid.plane;
+    ys.into_iter()
+        .filter(move |y| (0..rows).contains(y))
+        .flat_map(move |y| xs.map(|x| (x, y)))
+        .filter(move |(x, _)| wraps || (0..columns).contains(x))
+        .map(move |(x, y)| TileKey::new(level, x.rem_euclid(columns) as u32, y as u32))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
+    use super::*;
+
+    fn above(grid: &Grid, level: u32, x: u32, y: u32) -> Vec<(u32, u32)> {
+        let mut found: Vec<_> = touched_above(grid, TileKey::new(level, x, y)).map(|key| (key.x, key.y)).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    #[test]
+    fn a_tile_touches_its_parent_and_three_more() {
+        let globe = Grid::new(11, false);
+        assert_eq!(above(&globe, 0, 5, 3), [(2, 1), (2, 2), (3, 1), (3, 2)]);
+        assert_eq!(above(&globe, 0, 0, 4), [(0, 1), (0, 2), (7, 1), (7, 2)]);
+        assert_eq!(above(&globe, 0, 15, 0), [(0, 0), (7, 0)]);
+        assert_eq!(above(&globe, 2, 3, 1), [(0, 0), (1, 0)]);
+        let plane = Grid::new(11, true);
+        assert_eq!(above(&plane, 0, 0, 7), [(0, 3)]);
+        assert_eq!(above(&plane, 1, 1, 1), [(0, 0), (0, 1), (1, 0), (1, 1)]);
+    }
+
+    /// One tile at the seam of a deep map, against the rule as it is written: areas that meet.
+    #[test]
+    fn levels_differ_by_one_where_areas_meet() {
+        let grid = Grid::new(14, false);
+        let root = grid.root_level();
+        let lone = TileKey::new(0, grid.tiles_x(0) - 1, 21);
+        let mut levels: Vec<BTreeSet<TileKey>> = (0..=root)
+            .rev()
+            .map(|level| BTreeSet::from([TileKey::new(level, lone.x >> level, lone.y >> level)]))
+            .collect();
+        balance(&grid, &mut levels);
+        let meet = |a: TileKey, b: TileKey| {
+            let span = |key: TileKey, v: u32| (i64::from(v) << key.level, i64::from(v + 1) << key.level);
+            let near = |a: (i64, i64), b: (i64, i64), turn: i64| a.0 <= b.1 + turn && b.0 + turn <= a.1;
+            let turn = i64::from(grid.tiles_x(0));
+            let (x, y) = ((span(a, a.x), span(b, b.x)), (span(a, a.y), span(b, b.y)));
+            [-turn, 0, turn].iter().any(|&turn| near(x.0, x.1, turn)) && near(y.0, y.1, 0)
+        };
+        for pair in levels.windows(2) {
+            let level = pair[0].iter().next().unwrap().level;
+            let all = (0..grid.tiles_y(level)).flat_map(|y| (0..grid.tiles_x(level)).map(move |x| (x, y)));
+            let wanted = all.map(|(x, y)| TileKey::new(level, x, y)).filter(|&a| pair[1].iter().any(|&b| meet(a, b)));
+            assert_eq!(pair[0], wanted.collect::<BTreeSet<_>>(), "level {level}");
+        }
+        assert_eq!(levels[root as usize - 1].len(), 4);
     }
 }

@@ -8,7 +8,8 @@ use std::sync::Arc;
 use relief_formats::derive::deviation::{CellDistances, Sources, cell_distances};
 use relief_formats::derive::extremes::Extremes;
 use relief_formats::derive::interval::Interval;
-use relief_formats::derive::{Base, Below, Field, Window, encode_deviation};
+use relief_formats::derive::virtual_cells::raise_interpolated;
+use relief_formats::derive::{Base, Below, Field, Window};
 use relief_formats::file::FormatError;
 
 use super::map::Map;
@@ -88,11 +89,24 @@ impl<'a> Summaries<'a> {
                 }
             }
         }
+        let nodes = map.nodes(level, padded.nodes())?;
+        if !map.is_dense() {
+            raise_interpolated(&mut centres, &nodes, self.rounding(), |x, y| {
+                let (x, y) = map.grid.home_cell(level, x, y);
+                !self.blocks.contains_key(&(x / self.side, y / self.side))
+            });
+        }
         let below = Below { intervals, extremes, centres, distances };
-        Ok(Base { level, nodes: map.nodes(level, padded.nodes())?, mip: Some(mip), below: Some(below) })
+        Ok(Base { level, nodes, mip: Some(mip), below: Some(below) })
     }
 
-    /// The summary of a block below which there is nothing but interpolation.
+    /// Each level of interpolation rounds by at most half a step: 8 sixteenths.
+    fn rounding(&self) -> i32 {
+        8 * self.level as i32
+    }
+
+    /// The summary of a block below which there is nothing but interpolation. The codes of its
+    /// centres depend on its neighbours and are left at 0.
     fn interpolated(&self, (x, y): (i32, i32)) -> Result<Base, FormatError> {
         let side = self.side as usize;
         let core = Window::new(x * self.side, y * self.side, side, side);
@@ -101,21 +115,13 @@ impl<'a> Summaries<'a> {
         let range = |c: [i32; 4]| {
             c.iter().fold(Extremes { min: c[0], max: c[0] }, |e, &q| Extremes { min: e.min.min(q), max: e.max.max(q) })
         };
-        let flat = |c: [i32; 4]| c.iter().all(|&q| q == c[0]);
-        // Each level of interpolation rounds by at most half a step: 8 sixteenths.
-        let rounding = 8 * self.level as i32;
+        let rounding = self.rounding();
         let intervals = Field::from_fn(core, |x, y| {
             let Extremes { min, max } = range(corners(x, y));
             let rounding = if min == max { 0 } else { rounding };
             Interval { lo: -rounding, hi: rounding, min, max }
         });
         let extremes = Field::from_fn(core, |x, y| range(corners(x, y)));
-        // A bilinear cell bulges from its two triangles by a quarter of its twist at most.
-        let centres = Field::from_fn(core, |x, y| {
-            let c = corners(x, y);
-            let twist = (c[0] + c[3] - c[1] - c[2]).abs() as f32 / 4.0;
-            if flat(c) { 0 } else { encode_deviation(twist + rounding as f32 / 8.0) }
-        });
         let distances = (0..DISTANCE_LEVELS).map(|index| {
             let up = index + 1;
             let window = Window::new(core.x0 >> up, core.y0 >> up, core.nx >> up, core.ny >> up);
@@ -124,7 +130,7 @@ impl<'a> Summaries<'a> {
             cell_distances(&sources, window)
         });
         let distances = distances.collect();
-        let below = Below { intervals, extremes, centres, distances };
+        let below = Below { intervals, extremes, centres: Field::new(core), distances };
         Ok(Base { level: self.level, mip: Some(nodes.clone()), nodes, below: Some(below) })
     }
 }

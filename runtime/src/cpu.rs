@@ -1,0 +1,93 @@
+//! The backend without a GPU: the kernels' twins over `rayon`.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use relief_shaders::frame::{self, ReliefTriangle, Style};
+
+use crate::frame::{Frame, RenderError, Renderer, Scheme, Settings, Stats, style_of};
+use crate::planet::Planet;
+use crate::residency::{Capacity, Progress, Ram, Resident};
+use crate::view::{View, ViewError};
+
+/// Pixels a picture may have: as many as its buffers can count.
+const MOST_PIXELS: u64 = 1 << 28;
+
+/// A planet in RAM.
+pub struct Cpu {
+    resident: Resident<Ram>,
+    style: Style,
+}
+
+impl Cpu {
+    /// A resident set of up to `atlas_bytes`.
+    ///
+    /// # Errors
+    /// [`RenderError::Capacity`], [`RenderError::File`].
+    pub fn new(planet: Arc<Planet>, atlas_bytes: u64) -> Result<Self, RenderError> {
+        let capacity = Capacity::within(atlas_bytes, u64::MAX)?;
+        let style = style_of(&planet)?;
+        Ok(Self { resident: Resident::new(planet, capacity, Ram::new(capacity))?, style })
+    }
+
+    /// The resident set.
+    #[must_use]
+    pub fn resident(&self) -> &Resident<Ram> {
+        &self.resident
+    }
+
+    /// The resident set, for twins that are run on it.
+    pub fn resident_mut(&mut self) -> &mut Resident<Ram> {
+        &mut self.resident
+    }
+
+    /// The relief triangles of a view, and the passes that made them.
+    ///
+    /// # Errors
+    /// A view that shows nothing.
+    pub fn triangles(&self, _: &View, settings: &Settings) -> Result<(Vec<ReliefTriangle>, u32), ViewError> {
+        let pages = self.resident.pages();
+        Ok(match settings.scheme {
+            Scheme::Uniform { level } => (frame::uniform(&pages, level.min(pages.planet.root_level)), 1),
+        })
+    }
+}
+
+impl Renderer for Cpu {
+    fn render(&mut self, view: &View, settings: &Settings) -> Result<Frame, RenderError> {
+        let (width, height) = (view.width, view.height);
+        if u64::from(width) * u64::from(height) > MOST_PIXELS {
+            return Err(ViewError::Size { width, height, limit: Some(1 << 14) }.into());
+        }
+        let uniform = view.uniform(self.resident.planet())?;
+        let style = Style { overlay: settings.overlay as u32, ..self.style };
+        let mut stats = Stats::default();
+        let mut clock = Clock(Instant::now());
+        let (triangles, passes) = self.triangles(view, settings)?;
+        stats.pass_ms.push(("tessellate", clock.lap_ms()));
+        let places = frame::draw(self.resident.uniform(), &uniform, &triangles);
+        stats.pass_ms.push(("draw", clock.lap_ms()));
+        let shaded = frame::shade(&self.resident.pages(), &uniform, &style, &places);
+        stats.pass_ms.push(("shade", clock.lap_ms()));
+        stats.triangles = triangles.len() as u64;
+        stats.passes = passes;
+        stats.tiles_missing = self.resident.ask_seen();
+        stats.tiles_resident = self.resident.count();
+        let frame = Frame::new([width, height], shaded, stats);
+        Ok(if settings.places { frame.with_places(&places) } else { frame })
+    }
+
+    fn update(&mut self, budget: Duration) -> Progress {
+        self.resident.update(budget)
+    }
+}
+
+struct Clock(Instant);
+
+impl Clock {
+    fn lap_ms(&mut self) -> f64 {
+        let now = Instant::now();
+        let lap = now - std::mem::replace(&mut self.0, now);
+        lap.as_secs_f64() * 1e3
+    }
+}

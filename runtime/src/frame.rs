@@ -1,0 +1,94 @@
+//! Frames: what both backends make of a view.
+
+mod error;
+mod look;
+mod picture;
+
+use std::time::{Duration, Instant};
+
+use crate::residency::Progress;
+use crate::view::View;
+
+pub use error::RenderError;
+pub use look::style_of;
+pub use picture::Frame;
+pub use relief_shaders::frame::Overlay;
+
+/// How a view is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// How relief becomes triangles.
+    pub scheme: Scheme,
+    /// What is drawn over the ground.
+    pub overlay: Overlay,
+    /// Also fills [`Frame::places`].
+    pub places: bool,
+}
+
+/// How relief becomes triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    /// All cells of a level, without adaptation or culling: the baseline.
+    Uniform {
+        /// The level.
+        level: u32,
+    },
+}
+
+impl Default for Scheme {
+    fn default() -> Self {
+        Self::Uniform { level: u32::MAX }
+    }
+}
+
+/// What a frame cost.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stats {
+    /// Triangles drawn.
+    pub triangles: u64,
+    /// Passes of the tessellation.
+    pub passes: u32,
+    /// Pages in the atlas.
+    pub tiles_resident: usize,
+    /// Pages that the frame asked for and that are not there.
+    pub tiles_missing: usize,
+    /// Milliseconds of each pass, in order; on a GPU by its own clock, where it has one.
+    pub pass_ms: Vec<(&'static str, f64)>,
+}
+
+/// A backend with a resident set of one planet.
+pub trait Renderer {
+    /// Draws a view with what is resident; [`Stats::tiles_missing`] says whether that was all.
+    ///
+    /// # Errors
+    /// A view that shows nothing, or what the device says.
+    fn render(&mut self, view: &View, settings: &Settings) -> Result<Frame, RenderError>;
+
+    /// Loads what frames asked for, within a budget.
+    fn update(&mut self, budget: Duration) -> Progress;
+
+    /// Draws a view until nothing is missing, the time is over, or the atlas is full: then
+    /// [`Stats::tiles_missing`] is above 0 and coarser tiles stand in.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    fn render_until_complete(
+        &mut self,
+        view: &View,
+        settings: &Settings,
+        time: Duration,
+    ) -> Result<Frame, RenderError> {
+        let deadline = Instant::now() + time;
+        loop {
+            let frame = self.render(view, settings)?;
+            let left = deadline.saturating_duration_since(Instant::now());
+            if frame.stats.tiles_missing == 0 || left.is_zero() {
+                return Ok(frame);
+            }
+            let progress = self.update(left);
+            if progress.full && progress.loaded == 0 {
+                return Ok(frame);
+            }
+        }
+    }
+}

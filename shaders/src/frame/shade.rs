@@ -1,0 +1,198 @@
+//! Colours of ground and sky. Twin of `wgsl/lib/shade.wgsl` and `wgsl/frame_shade.wgsl`.
+
+use rayon::prelude::*;
+
+use super::Places;
+use super::ground::{detail, ground_between, metres_per_unit};
+use super::style::{Overlay, Style};
+use crate::angle::{sin_cos, sin_cos_lat};
+use crate::pages::Pages;
+use crate::planet::{Planet, View};
+
+/// Shaded pixels, rows from the top.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shaded {
+    /// Bytes from the lowest: red, green, blue (sRGB), visible part of the sun's disk.
+    pub colours: Vec<u32>,
+    /// Metres from the camera; 0 in the sky.
+    pub distances_m: Vec<f32>,
+    /// East and north of the ground's unit normal, 16 bits each, -1 to 1; 0 in the sky.
+    pub normals: Vec<u32>,
+}
+
+/// Shades what was drawn.
+#[must_use]
+pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, places: &Places) -> Shaded {
+    let width = view.width as usize;
+    let pixels: Vec<(u32, f32, u32)> = (0..places.depths.len())
+        .into_par_iter()
+        .with_min_len(256)
+        .map(|k| {
+            let (x, y) = (k % width, k / width);
+            shade_pixel(pages, view, style, x as f32, y as f32, places.depths[k], places.places[k])
+        })
+        .collect();
+    Shaded {
+        colours: pixels.iter().map(|p| p.0).collect(),
+        distances_m: pixels.iter().map(|p| p.1).collect(),
+        normals: pixels.iter().map(|p| p.2).collect(),
+    }
+}
+
+fn shade_pixel(
+    pages: &Pages<'_>,
+    view: &View,
+    style: &Style,
+    column: f32,
+    row: f32,
+    depth: f32,
+    place: [u32; 3],
+) -> (u32, f32, u32) {
+    let x = ((column + 0.5) * 2.0 / view.width as f32 - 1.0) * view.tan_x;
+    let y = (1.0 - (row + 0.5) * 2.0 / view.height as f32) * view.tan_y;
+    let stretch = (1.0 + x * x + y * y).sqrt();
+    if depth == 0.0 {
+        let ray = std::array::from_fn(|k| (view.forward[k] + view.right[k] * x + view.up[k] * y) / stretch);
+        return (pack_unorm(to_srgb(sky_colour(pages.planet, view, style, ray)), 0.0), 0.0, 0);
+    }
+    let distance_m = view.forward[3] / depth * stretch;
+    let [s, t, marks] = place;
+    let level = detail(pages.planet, view, distance_m);
+    let here = ground_between(pages, level, s, t, metres_per_unit(pages.planet, t));
+    let axes = horizon_axes(pages.planet, view, s, t);
+    let sun = axes.map(|axis| axis[0] * view.sun[0] + axis[1] * view.sun[1] + axis[2] * view.sun[2]);
+    let visible = 1.0;
+    let exaggeration = exaggeration(style, distance_m / view.right[3]);
+    let steep = [here.east * exaggeration, here.north * exaggeration];
+    let mut colour = ground_colour(style, here.height_m, steep, sun, visible);
+    if style.overlay == Overlay::Detail as u32 {
+        colour = mix(colour, detail_colour((marks & 255) as i32 - 128), 0.45);
+    }
+    if style.overlay != Overlay::None as u32 {
+        let edge = ((marks >> 8) & 255) as f32 / 32.0;
+        colour = mix([0.01, 0.012, 0.02], colour, 0.25 + 0.75 * smoothstep(0.2, 0.8, edge));
+    }
+    let normal = normalize([-here.east, -here.north, 1.0]);
+    (pack_unorm(to_srgb(colour), visible), distance_m, pack_snorm([normal[0], normal[1]]))
+}
+
+/// Linear light to sRGB, 0 to 1 (IEC 61966-2-1).
+#[must_use]
+pub fn to_srgb(linear: [f32; 3]) -> [f32; 3] {
+    linear.map(|c| {
+        let c = c.clamp(0.0, 1.0);
+        if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+    })
+}
+
+/// The hypsometric tint of a height, linear light.
+#[must_use]
+pub fn tint(style: &Style, height_m: f32) -> [f32; 3] {
+    let (mut first, mut end) = (128, style.high_m);
+    let base = if style.sea != 0 { 0.0 } else { style.low_m };
+    if style.sea != 0 && height_m < 0.0 {
+        (first, end) = (0, style.low_m);
+    }
+    let share = ((height_m - base) / (end - base)).clamp(0.0, 1.0);
+    let at = 127.0 * share.sqrt();
+    let k = (at as usize).min(126);
+    let (low, high) = (style.ramp[first + k], style.ramp[first + k + 1]);
+    std::array::from_fn(|c| low[c] + (high[c] - low[c]) * (at - k as f32))
+}
+
+/// East, north and up at (S, T) in the frame of the camera.
+#[must_use]
+pub fn horizon_axes(planet: &Planet, view: &View, s: u32, t: u32) -> [[f32; 3]; 3] {
+    if planet.plane != 0 {
+        return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    }
+    let [sin_lon, cos_lon] = sin_cos(s.wrapping_sub(view.camera_s));
+    let [sin_lat, cos_lat] = sin_cos_lat(t);
+    [
+        [-sin_lon, cos_lon, 0.0],
+        [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat],
+        [cos_lat * cos_lon, cos_lat * sin_lon, sin_lat],
+    ]
+}
+
+/// By how much slopes are exaggerated, for the eye, where a pixel is `footprint_m` wide.
+#[must_use]
+pub fn exaggeration(style: &Style, footprint_m: f32) -> f32 {
+    (footprint_m / style.exaggeration_from_m).max(1.0).powf(0.4).clamp(1.0, 8.0)
+}
+
+/// Light on ground of a height and slope under a sun (east, north, up).
+#[must_use]
+pub fn ground_colour(style: &Style, height_m: f32, slope: [f32; 2], sun: [f32; 3], visible: f32) -> [f32; 3] {
+    let normal = normalize([-slope[0], -slope[1], 1.0]);
+    let day = smoothstep(-0.03, 0.12, sun[2]);
+    let lambert = (normal[0] * sun[0] + normal[1] * sun[1] + normal[2] * sun[2]).max(0.0);
+    let direct = lambert * visible * day;
+    let sky = style.ambient * (0.12 + 0.88 * smoothstep(-0.25, 0.25, sun[2])) * (0.5 + 0.5 * normal[2]);
+    let tint = tint(style, height_m);
+    std::array::from_fn(|k| tint[k] * (style.sun_colour[k] * direct + style.shade_colour[k] * sky))
+}
+
+/// Air before black: thick along the horizon, thinning out with the height of the ray's lowest
+/// point.
+#[must_use]
+pub fn sky_colour(planet: &Planet, view: &View, style: &Style, ray: [f32; 3]) -> [f32; 3] {
+    let scale_m = style.sky[3];
+    if scale_m <= 0.0 {
+        return [0.0; 3];
+    }
+    let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let sun_axis = [view.sun[0], view.sun[1], view.sun[2]];
+    let height_m = view.camera_h_hi_m;
+    let up = if planet.plane != 0 { [0.0, 0.0, 1.0] } else { [view.cos_lat, 0.0, view.sin_lat] };
+    let sin_ray = dot(ray, up);
+    let mut lowest_m = height_m;
+    let mut sun_up = dot(sun_axis, up);
+    if sin_ray < 0.0 && planet.plane == 0 {
+        let radius_m = view.n0_m + height_m;
+        let cos_ray = (1.0 - sin_ray * sin_ray).max(0.0).sqrt();
+        lowest_m = radius_m * cos_ray - view.n0_m;
+        sun_up = dot(sun_axis, normalize(std::array::from_fn(|k| up[k] - ray[k] * sin_ray)));
+    }
+    let path = if sin_ray < 0.0 { 12.0 } else { 1.0 / (sin_ray.max(0.0) + 0.08) };
+    let depth = path * (-lowest_m.max(0.0) / scale_m).exp();
+    let light = (1.0 - (-0.35 * depth).exp()) * smoothstep(-0.2, 0.3, sun_up);
+    [0, 1, 2].map(|k| style.sky[k] * light)
+}
+
+/// A colour for a level of detail.
+#[must_use]
+pub fn detail_colour(level: i32) -> [f32; 3] {
+    let hue = ((level + 32) % 12) as f32 / 12.0;
+    [0.0, 0.666_666_7, 0.333_333_3].map(|turn| {
+        let phase = hue + turn;
+        let k = ((phase - phase.floor()) * 6.0 - 3.0).abs() - 1.0;
+        0.1 + 0.8 * k.clamp(0.0, 1.0)
+    })
+}
+
+fn mix(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
+    std::array::from_fn(|k| a[k] * (1.0 - share) + b[k] * share)
+}
+
+fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+fn normalize(v: [f32; 3]) -> [f32; 3] {
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    v.map(|c| c / length)
+}
+
+/// `pack4x8unorm`.
+fn pack_unorm(rgb: [f32; 3], alpha: f32) -> u32 {
+    let byte = |c: f32| (0.5 + 255.0 * c.clamp(0.0, 1.0)) as u32;
+    byte(rgb[0]) | byte(rgb[1]) << 8 | byte(rgb[2]) << 16 | byte(alpha) << 24
+}
+
+/// `pack2x16snorm`.
+fn pack_snorm(v: [f32; 2]) -> u32 {
+    let [x, y] = v.map(|c| (0.5 + 32767.0 * c.clamp(-1.0, 1.0)).floor() as i32 as u32 & 0xffff);
+    x | y << 16
+}
