@@ -44,8 +44,9 @@ impl Gpu {
             wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..wgpu::DeviceDescriptor::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
         let pages = layout(&device, &[At::Uniform, At::Read, At::Read, At::Read, At::Write]);
-        let lists = layout(&device, &[At::Uniform, At::Uniform, At::Read, At::Write, At::Write, At::Write, At::Write]);
-        let pipeline = |source: &'static str, entry: &str| {
+        let lists = layout(&device, &[At::Uniform, At::Uniform, At::Read, At::Write, At::Write, At::Write]);
+        let steer = layout(&device, &[At::Uniform, At::Write, At::Write]);
+        let pipeline = |source: &'static str, entry: &str, groups: &[Option<&wgpu::BindGroupLayout>]| {
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(entry),
                 source: wgpu::ShaderSource::Wgsl(source.into()),
@@ -90,9 +91,8 @@ impl Gpu {
         let relief = self.buffer(&vec![ReliefTriangle::default(); params.relief_capacity as usize + 1], Use::STORAGE);
         let control = self.buffer(&[Control::default()], Use::STORAGE);
         let args = self.buffer(&[Args::default()], Use::STORAGE | Use::INDIRECT);
-        let group = |read: usize| {
-            self.group(&self.lists, &[&eye, &limits, &lists[read], &lists[1 - read], &relief, &control])
-        };
+        let group =
+            |read: usize| self.group(&self.lists, &[&eye, &limits, &lists[read], &lists[1 - read], &relief, &control]);
         let groups = [group(0), group(1)];
         let steer = self.group(&self.steer, &[&limits, &control, &args]);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -1,5 +1,5 @@
 // Lists of patches, and the counts that steer the passes. Twin: src/paper/control.rs.
-// use: frame_corner paper_patch
+// use: leb_corner paper_patch
 
 // As LebControl, so that leb_args serves both schemes; then what only this one counts.
 struct PaperControl {
@@ -20,10 +20,6 @@ struct PaperControl {
     fillers: atomic<u32>,
     padding_0: u32,
     padding_1: u32,
-}
-
-struct ReliefTriangle {
-    corners: array<Corner, 3>,
 }
 
 @group(1) @binding(2) var<storage, read> list_in: array<Patch>;
