@@ -28,8 +28,8 @@ pub enum Fault {
     None,
     /// Deviations of single nodes, not of all below them.
     Unsaturated,
-    /// Deviations a quarter of what they are.
-    Quartered,
+    /// No deviations.
+    Forgotten,
 }
 
 impl PageSet {
@@ -175,7 +175,7 @@ impl PageSet {
                 let columns = if planet.plane { columns >> up | 1 } else { columns >> up };
                 let deviation =
                     devs.get((k + up) as usize).map_or(0.0, |d| d[((j >> up) * columns + i) as usize]) / planet.step_m;
-                let deviation = if fault == Fault::Quartered { deviation / 4.0 } else { deviation };
+                let deviation = if fault == Fault::Forgotten { 0.0 } else { deviation };
                 codes[(r * NODES + c) as usize] = code(deviation);
             }
         }
