@@ -10,7 +10,7 @@ fn main() {
     let args: Vec<String> = std::env::args().collect();
     let n = |k: usize| args[k].parse::<f64>().unwrap();
     let planet = Planet::open(Path::new(&args[1])).unwrap();
-    let level = std::env::var("LEVEL").map_or(u32::MAX, |v| v.parse().unwrap());
+    let scheme = std::env::var("LEVEL").map_or(Scheme::Leb, |v| Scheme::Uniform { level: v.parse().unwrap() });
     let (camera, sun) = if planet.grid().plane {
         (Camera::over_plane(&planet, n(3), n(4), n(5)).unwrap(), Sun::at(n(11), n(12)).unwrap())
     } else {
@@ -22,7 +22,7 @@ fn main() {
         Some("lod") => Overlay::Detail,
         _ => Overlay::None,
     };
-    let settings = Settings { scheme: Scheme::Uniform { level }, overlay, places: false };
+    let settings = Settings { scheme, overlay, places: false };
     let mut cpu = Cpu::new(planet, 512 << 20).unwrap();
     let frame = cpu.render_until_complete(&view, &settings, Duration::from_secs(100)).unwrap();
     eprintln!("{:?}", frame.stats);

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use relief_shaders::frame::{self, ReliefTriangle, Style};
+use relief_shaders::frame::{self, Style};
+use relief_shaders::leb::{self, Mesh};
 
 use crate::frame::{Frame, RenderError, Renderer, Scheme, Settings, Stats, style_of};
 use crate::planet::Planet;
@@ -12,6 +13,8 @@ use crate::view::{View, ViewError};
 
 /// Pixels a picture may have: as many as its buffers can count.
 const MOST_PIXELS: u64 = 1 << 28;
+/// Triangles of a mesh or of a pass.
+const MOST_TRIANGLES: u32 = 1 << 26;
 
 /// A planet in RAM.
 pub struct Cpu {
@@ -41,14 +44,23 @@ impl Cpu {
         &mut self.resident
     }
 
-    /// The relief triangles of a view, and the passes that made them.
+    /// The mesh of a view, from what is resident.
     ///
     /// # Errors
     /// A view that shows nothing.
-    pub fn triangles(&self, _: &View, settings: &Settings) -> Result<(Vec<ReliefTriangle>, u32), ViewError> {
+    pub fn mesh(&self, view: &View, settings: &Settings) -> Result<Mesh, ViewError> {
         let pages = self.resident.pages();
+        let view = view.uniform(self.resident.planet())?;
         Ok(match settings.scheme {
-            Scheme::Uniform { level } => (frame::uniform(&pages, level.min(pages.planet.root_level)), 1),
+            Scheme::Leb => {
+                let params = leb::Params::new(pages.planet, &view, MOST_TRIANGLES, MOST_TRIANGLES);
+                leb::tessellate(&pages, &view, &params)
+            }
+            Scheme::Uniform { level } => {
+                let triangles = frame::uniform(&pages, level.min(pages.planet.root_level));
+                let tested = triangles.len() as u32;
+                Mesh { triangles, stats: leb::Stats { passes: 1, tested, ..leb::Stats::default() } }
+            }
         })
     }
 }
@@ -63,14 +75,17 @@ impl Renderer for Cpu {
         let style = Style { overlay: settings.overlay as u32, ..self.style };
         let mut stats = Stats::default();
         let mut clock = Clock(Instant::now());
-        let (triangles, passes) = self.triangles(view, settings)?;
+        let mesh = self.mesh(view, settings)?;
         stats.pass_ms.push(("tessellate", clock.lap_ms()));
-        let places = frame::draw(self.resident.uniform(), &uniform, &triangles);
+        let places = frame::draw(self.resident.uniform(), &uniform, &mesh.triangles);
         stats.pass_ms.push(("draw", clock.lap_ms()));
         let shaded = frame::shade(&self.resident.pages(), &uniform, &style, &places);
         stats.pass_ms.push(("shade", clock.lap_ms()));
-        stats.triangles = triangles.len() as u64;
-        stats.passes = passes;
+        stats.triangles = mesh.triangles.len() as u64;
+        stats.passes = mesh.stats.passes;
+        stats.tested = u64::from(mesh.stats.tested);
+        stats.culled = u64::from(mesh.stats.culled);
+        stats.overflow = mesh.stats.overflow;
         stats.tiles_missing = self.resident.ask_seen();
         stats.tiles_resident = self.resident.count();
         let frame = Frame::new([width, height], shaded, stats);

@@ -26,19 +26,16 @@ pub struct Settings {
 }
 
 /// How relief becomes triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scheme {
+    /// Longest-edge bisection, as exact as the view's threshold asks.
+    #[default]
+    Leb,
     /// All cells of a level, without adaptation or culling: the baseline.
     Uniform {
         /// The level.
         level: u32,
     },
-}
-
-impl Default for Scheme {
-    fn default() -> Self {
-        Self::Uniform { level: u32::MAX }
-    }
 }
 
 /// What a frame cost.
@@ -48,6 +45,12 @@ pub struct Stats {
     pub triangles: u64,
     /// Passes of the tessellation.
     pub passes: u32,
+    /// Triangles that it judged.
+    pub tested: u64,
+    /// Triangles that it culled.
+    pub culled: u64,
+    /// True when its lists were too small even for this backend: the mesh has holes.
+    pub overflow: bool,
     /// Pages in the atlas.
     pub tiles_resident: usize,
     /// Pages that the frame asked for and that are not there.

@@ -2,10 +2,16 @@
 
 mod atlas;
 mod device;
+mod frame;
 mod heights;
 mod kernel;
+mod picture;
 mod readback;
+mod targets;
+mod tessellate;
+mod timestamps;
 
 pub use atlas::Atlas;
 pub use device::{AdapterChoice, Device, DeviceError};
+pub use frame::Gpu;
 pub use heights::Heights;

@@ -7,9 +7,11 @@
 
 pub mod cpu;
 pub mod frame;
+pub mod geotiff;
 pub mod gpu;
 pub mod planet;
 pub mod residency;
+pub mod sun;
 pub mod view;
 
 // The sample files of the whole-program tests.

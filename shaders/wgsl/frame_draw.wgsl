@@ -1,6 +1,6 @@
 // Draws relief triangles: fixed-point place, level and edge distance of each pixel.
 // Twin: src/frame/raster.rs. Vertices are pulled: three corners a triangle.
-// use: position frame_corner
+// use: position leb_corner
 
 struct Drawn {
     @builtin(position) position: vec4<f32>,

@@ -148,10 +148,7 @@ impl Writer<'_> {
 
     /// Where the pixels lie, and what they are.
     fn describe(&self, dataset: &mut Dataset) -> Result<(), ToolError> {
-        let [x, y, dx, dy] = self.lattice.frame();
-        let west = x + dx * (self.rectangle.column as f64 - 0.5);
-        let north = y + dy * (f64::from(self.rectangle.row + self.rectangle.rows) - 0.5);
-        self.gdal(dataset.set_geo_transform(&[west, dx, 0.0, north, 0.0, -dy]))?;
+        self.gdal(dataset.set_geo_transform(&self.lattice.samples().geo_transform(self.rectangle)))?;
         if let Some(crs) = self.gdal(crs_of(self.relief.body()))? {
             self.gdal(dataset.set_spatial_ref(&crs))?;
         }

@@ -11,6 +11,7 @@ use crate::residency::{Capacity, Page, Resident, Store};
 /// Slots, tables and the record of pages asked for.
 pub struct Atlas {
     device: Device,
+    planet: wgpu::Buffer,
     heights: wgpu::Buffer,
     bounds: wgpu::Buffer,
     table: wgpu::Buffer,
@@ -38,16 +39,9 @@ impl Atlas {
     pub fn new(device: &Device, planet: &Planet, capacity: Capacity) -> Result<Self, DeviceError> {
         use wgpu::BufferUsages as Use;
         device.guard(|| {
-            let words = |label, words: u64, usage| {
-                device.wgpu().create_buffer(&wgpu::BufferDescriptor {
-                    label: Some(label),
-                    size: 4 * words,
-                    usage,
-                    mapped_at_creation: false,
-                })
-            };
+            let words = |label, words: u64, usage| kernel::empty(device, label, 4 * words, usage);
             let slots = u64::from(capacity.slots());
-            let uniform = kernel::uniform(device, "planet", &capacity.uniform(planet));
+            let planet_uniform = kernel::uniform(device, "planet", &capacity.uniform(planet));
             let heights = words("heights", slots * u64::from(HEIGHT_WORDS), Use::STORAGE | Use::COPY_DST);
             let bounds = words("bounds", slots * u64::from(BOUND_WORDS), Use::STORAGE | Use::COPY_DST);
             let table = words("page table", 2 << capacity.table_bits(), Use::STORAGE | Use::COPY_DST);
@@ -56,9 +50,9 @@ impl Atlas {
             let group = kernel::group(
                 device,
                 &Self::layout(device),
-                &[&uniform, &table, &heights, &bounds, &seen].map(wgpu::Buffer::as_entire_binding),
+                &[&planet_uniform, &table, &heights, &bounds, &seen].map(wgpu::Buffer::as_entire_binding),
             );
-            Self { device: device.clone(), heights, bounds, table, seen, group }
+            Self { device: device.clone(), planet: planet_uniform, heights, bounds, table, seen, group }
         })
     }
 
@@ -72,6 +66,11 @@ impl Atlas {
     #[must_use]
     pub fn group(&self) -> &wgpu::BindGroup {
         &self.group
+    }
+
+    /// The planet's uniform, for pipelines that read no page.
+    pub(super) fn planet(&self) -> &wgpu::Buffer {
+        &self.planet
     }
 
     /// The device it lies on.

@@ -39,7 +39,7 @@ impl Heights {
     pub fn new(device: &Device) -> Result<Self, DeviceError> {
         device.guard(|| {
             let layout = kernel::layout(device, "heights", &[Binding::ReadWrite]);
-            let layouts = kernel::pipeline_layout(device, &[&Atlas::layout(device), &layout]);
+            let layouts = kernel::pipeline_layout(device, &[Some(&Atlas::layout(device)), Some(&layout)]);
             let module = kernel::module(device, "heights", kernels::HEIGHTS);
             let pipeline = kernel::pipeline(device, &layouts, &module, "heights_at");
             Self { device: device.clone(), layout, pipeline }

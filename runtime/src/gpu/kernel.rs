@@ -10,36 +10,45 @@ pub(super) enum Binding {
     Uniform,
     Read,
     ReadWrite,
+    /// A texture of integers.
+    Integers,
+    /// A depth texture.
+    Depth,
+}
+
+impl Binding {
+    fn of_wgpu(self) -> wgpu::BindingType {
+        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let texture = |sample_type| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        match self {
+            Self::Uniform => buffer(wgpu::BufferBindingType::Uniform),
+            Self::Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+            Self::ReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
+            Self::Integers => texture(wgpu::TextureSampleType::Uint),
+            Self::Depth => texture(wgpu::TextureSampleType::Depth),
+        }
+    }
 }
 
 /// A layout with the bindings 0, 1, 2, ... for compute kernels.
 pub(super) fn layout(device: &Device, label: &str, bindings: &[Binding]) -> wgpu::BindGroupLayout {
-    layout_for(device, label, wgpu::ShaderStages::COMPUTE, bindings)
+    layout_for(device, label, wgpu::ShaderStages::COMPUTE, (0..).zip(bindings.iter().copied()))
 }
 
-/// A layout with the bindings 0, 1, 2, ... for some stages.
+/// A layout with some bindings for some stages.
 pub(super) fn layout_for(
     device: &Device,
     label: &str,
     visibility: wgpu::ShaderStages,
-    bindings: &[Binding],
+    bindings: impl IntoIterator<Item = (u32, Binding)>,
 ) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = (0..)
-        .zip(bindings)
-        .map(|(binding, kind)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility,
-            ty: wgpu::BindingType::Buffer {
-                ty: match kind {
-                    Binding::Uniform => wgpu::BufferBindingType::Uniform,
-                    Binding::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                    Binding::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
-                },
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        })
+    let entries: Vec<_> = bindings
+        .into_iter()
+        .map(|(binding, kind)| wgpu::BindGroupLayoutEntry { binding, visibility, ty: kind.of_wgpu(), count: None })
         .collect();
     device.wgpu().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
@@ -50,10 +59,17 @@ pub(super) fn group(
     layout: &wgpu::BindGroupLayout,
     resources: &[wgpu::BindingResource<'_>],
 ) -> wgpu::BindGroup {
-    let entries: Vec<_> = (0..)
-        .zip(resources)
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
-        .collect();
+    group_at(device, layout, (0..).zip(resources.iter().cloned()))
+}
+
+/// A group with some bindings.
+pub(super) fn group_at<'a>(
+    device: &Device,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl IntoIterator<Item = (u32, wgpu::BindingResource<'a>)>,
+) -> wgpu::BindGroup {
+    let entries: Vec<_> =
+        resources.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
     device.wgpu().create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }
 
@@ -65,12 +81,11 @@ pub(super) fn module(device: &Device, label: &str, source: &'static str) -> wgpu
     })
 }
 
-/// A pipeline layout over groups 0, 1, ...
-pub(super) fn pipeline_layout(device: &Device, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
-    let groups: Vec<_> = groups.iter().map(|&group| Some(group)).collect();
+/// A pipeline layout over groups 0, 1, ..., of which some are not used.
+pub(super) fn pipeline_layout(device: &Device, groups: &[Option<&wgpu::BindGroupLayout>]) -> wgpu::PipelineLayout {
     device.wgpu().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: None,
-        bind_group_layouts: &groups,
+        bind_group_layouts: groups,
         immediate_size: 0,
     })
 }
@@ -97,14 +112,20 @@ pub(super) fn uniform<T: Pod>(device: &Device, label: &str, value: &T) -> wgpu::
     filled(device, label, bytemuck::bytes_of(value), wgpu::BufferUsages::UNIFORM)
 }
 
+/// A buffer of zeros.
+pub(super) fn empty(device: &Device, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    device.wgpu().create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes,
+        usage,
+        mapped_at_creation: false,
+    })
+}
+
 /// A buffer with contents.
 pub(super) fn filled(device: &Device, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    let buffer = device.wgpu().create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size: bytes.len().next_multiple_of(4).max(4) as u64,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
+    let size = bytes.len().next_multiple_of(4).max(4) as u64;
+    let buffer = empty(device, label, size, usage | wgpu::BufferUsages::COPY_DST);
     device.queue().write_buffer(&buffer, 0, bytes);
     buffer
 }

@@ -5,6 +5,7 @@ use std::sync::mpsc::{Receiver, channel};
 use bytemuck::Pod;
 
 use super::device::{Device, DeviceError};
+use super::kernel;
 
 /// A copy of a buffer, to be read once its commands are done.
 pub(super) struct Readback {
@@ -27,12 +28,8 @@ impl Readback {
 
     /// Room for bytes.
     pub fn empty(device: &Device, bytes: u64) -> Self {
-        let buffer = device.wgpu().create_buffer(&wgpu::BufferDescriptor {
-            label: Some("readback"),
-            size: bytes,
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        use wgpu::BufferUsages as Use;
+        let buffer = kernel::empty(device, "readback", bytes, Use::MAP_READ | Use::COPY_DST);
         Self { buffer }
     }
 

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::clip::{Vertex, clip};
-use super::{Corner, ReliefTriangle};
+use crate::leb::{Corner, ReliefTriangle};
 use crate::planet::{Planet, View};
 use crate::position::camera_relative_m;
 

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Corner, ReliefTriangle};
+use crate::leb::{Corner, ReliefTriangle};
 use crate::pages::Pages;
 
 /// Two triangles for each cell of `level` (one for a cell at a pole), the whole map, heights from

@@ -7,6 +7,7 @@
 mod compare;
 mod hard;
 mod oracle;
+mod plane;
 mod worlds;
 
 use compare::{compare, compare_with, rays};

@@ -1,16 +1,5 @@
 // Lists of triangles. Twin: src/leb/tessellate.rs.
-// use: leb_triangle leb_control
-
-struct Corner {
-    s: u32,
-    t: u32,
-    height_m: f32,
-    level: i32,
-}
-
-struct ReliefTriangle {
-    corners: array<Corner, 3>,
-}
+// use: leb_triangle leb_control leb_corner
 
 @group(1) @binding(2) var<storage, read> list_in: array<Triangle>;
 @group(1) @binding(3) var<storage, read_write> list_out: array<Triangle>;

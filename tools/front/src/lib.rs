@@ -9,3 +9,4 @@ pub mod publish;
 pub mod sheet;
 pub mod staging;
 pub mod stdout;
+pub mod window;

@@ -92,8 +92,9 @@ fn raster(args: &Args, relief: &Relief, tiles: &Tiles<'_>) -> Result<(), ToolErr
         ));
     }
     let lattice = Lattice::new(tiles, level, args.plane.unwrap_or(PlaneChoice::Nodes));
-    let bounds = args.window.unwrap_or_else(|| Bounds::whole(&lattice)).ordered(lattice.wraps())?;
-    let rectangle = bounds.samples(&lattice).ok_or_else(|| {
+    let samples = lattice.samples();
+    let bounds = args.window.unwrap_or_else(|| Bounds::whole(samples)).ordered(samples.wraps)?;
+    let rectangle = bounds.samples(samples).ok_or_else(|| {
         ToolError::usage(
             format!("--window {},{},{},{}", bounds.west, bounds.south, bounds.east, bounds.north),
             "a window holds at least one sample of the level",

@@ -65,15 +65,15 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     let tiles = Tiles::new(&relief, CACHE_BYTES);
     let finest = Lattice::new(&tiles, 0, args.plane);
     let usual = usual_bounds(&tiles, &finest).map_err(in_file)?;
-    let bounds = args.window.unwrap_or(usual).ordered(finest.wraps())?;
-    if !finest.wraps() && bounds.samples(&finest).is_none() {
+    let bounds = args.window.unwrap_or(usual).ordered(finest.samples().wraps)?;
+    if !finest.samples().wraps && bounds.samples(finest.samples()).is_none() {
         return Err(ToolError::usage(
             format!("--window: {},{},{},{}", bounds.west, bounds.south, bounds.east, bounds.north),
             "a window overlaps the file's square",
             "see `relief-bake inspect` for where it lies",
         ));
     }
-    let nodes_across = (bounds.east - bounds.west) / finest.frame()[2];
+    let nodes_across = (bounds.east - bounds.west) / finest.samples().frame[2];
     let size = args.size.unwrap_or_else(|| DEFAULT_SIZE.min(nodes_across as u32)).max(16);
     let supersample = if args.plane.is_height() && size <= LARGEST_SUPERSAMPLED { 2 } else { 1 };
     let canvas = Canvas::new(&relief, bounds, size, supersample)?;
@@ -121,7 +121,7 @@ fn sea_level(relief: &Relief) -> Option<SeaLevel> {
 
 /// What a picture shows unless it is told: all of a globe, the measured part of a plane.
 fn usual_bounds(tiles: &Tiles<'_>, finest: &Lattice<'_>) -> Result<Bounds, FormatError> {
-    let whole = Bounds::whole(finest);
+    let whole = Bounds::whole(finest.samples());
     let grid = tiles.relief().grid();
     if !grid.plane {
         return Ok(whole);

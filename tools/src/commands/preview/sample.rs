@@ -68,16 +68,16 @@ impl Canvas {
     /// deviations and fills as the largest of the four nodes around.
     pub fn draw(&self, lattice: &Lattice<'_>) -> Result<Raster, FormatError> {
         let (width, height) = (self.width as usize, self.height as usize);
-        let [x0, y0, dx, dy] = lattice.frame();
+        let [x0, y0, dx, dy] = lattice.samples().frame;
         let Bounds { west, south, east, north } = self.bounds;
         let column = |x: usize| (west + (east - west) * (x as f64 + 0.5) / width as f64 - x0) / dx;
         let latitude = |y: usize| north - (north - south) * (y as f64 + 0.5) / height as f64;
         let row = |y: usize| (latitude(y) - y0) / dy;
         let mut values = vec![f32::NAN; width * height];
-        let columns = Span::of(column(0), column(width - 1), lattice.columns(), lattice.wraps());
+        let columns = Span::of(column(0), column(width - 1), lattice.samples().columns, lattice.samples().wraps);
         for (band, out) in values.chunks_mut(width * BAND as usize).enumerate() {
             let first = band * BAND as usize;
-            let rows = Span::of(row(first + out.len() / width - 1), row(first), lattice.rows(), false);
+            let rows = Span::of(row(first + out.len() / width - 1), row(first), lattice.samples().rows, false);
             let rectangle = Rectangle {
                 column: columns.first,
                 row: rows.first as u32,
@@ -102,7 +102,7 @@ impl Canvas {
                 ((0..height).map(parallel).collect(), radius_m * down.to_radians())
             }
         };
-        let wraps = lattice.wraps() && east - west >= 360.0;
+        let wraps = lattice.samples().wraps && east - west >= 360.0;
         Ok(Raster { width, height, values, cell_east_m, cell_north_m, wraps })
     }
 }

@@ -4,16 +4,13 @@
 //! pole inclusive, its columns go round once. Extremes have a sample in the middle of each 2 x 2
 //! cells.
 
-mod bounds;
-
 use rayon::prelude::*;
-use relief_formats::body::Body;
 use relief_formats::derive::decode_deviation;
 use relief_formats::file::FormatError;
 use relief_formats::tile::{TILE_NODES, TileKey};
 use relief_formats::tiles::Tiles;
 
-pub use bounds::{Bounds, Rectangle};
+pub use relief_front::window::{Bounds, Rectangle, Samples};
 
 /// What a picture or an export shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -65,6 +62,7 @@ pub struct Lattice<'a> {
     tiles: &'a Tiles<'a>,
     level: u32,
     plane: PlaneChoice,
+    samples: Samples,
     voids: bool,
 }
 
@@ -77,7 +75,7 @@ impl<'a> Lattice<'a> {
     #[must_use]
     pub fn new(tiles: &'a Tiles<'a>, level: u32, plane: PlaneChoice) -> Self {
         let voids = plane.is_height() && tiles.relief().metadata().fill == "none";
-        Self { tiles, level, plane, voids }
+        Self { tiles, level, plane, samples: Samples::of(tiles.relief(), level, plane.over_cells()), voids }
     }
 
     /// The level.
@@ -98,37 +96,10 @@ impl<'a> Lattice<'a> {
         self.voids
     }
 
-    /// Distinct columns.
+    /// Where its samples lie.
     #[must_use]
-    pub fn columns(&self) -> u32 {
-        self.tiles.relief().grid().width(self.level) >> u32::from(self.plane.over_cells())
-    }
-
-    /// Rows, southernmost first.
-    #[must_use]
-    pub fn rows(&self) -> u32 {
-        let grid = self.tiles.relief().grid();
-        let rows = grid.height(self.level) >> u32::from(self.plane.over_cells());
-        rows + u32::from(!grid.plane && !self.plane.over_cells())
-    }
-
-    /// True when the last column is followed by the first.
-    #[must_use]
-    pub fn wraps(&self) -> bool {
-        !self.tiles.relief().grid().plane
-    }
-
-    /// Coordinates of sample (0, 0) and the spacing of samples, [x, y, dx, dy]: degrees on a
-    /// globe, CRS units on a plane.
-    #[must_use]
-    pub fn frame(&self) -> [f64; 4] {
-        let (grid, scale) = (self.tiles.relief().grid(), f64::from(1u32 << self.level));
-        let spacing_deg = grid.spacing_deg(self.level);
-        let [x, y, dx, dy] = match *self.tiles.relief().body() {
-            Body::Plane { x0, y0, dx, dy, .. } => [x0, y0, dx * scale, dy * scale],
-            Body::Ellipsoid { .. } => [-180.0, -90.0, spacing_deg, spacing_deg],
-        };
-        if self.plane.over_cells() { [x + dx, y + dy, 2.0 * dx, 2.0 * dy] } else { [x, y, dx, dy] }
+    pub fn samples(&self) -> &Samples {
+        &self.samples
     }
 
     /// Samples of a rectangle, row by row, southernmost first; metres, exact in f32. Columns wrap
@@ -142,8 +113,8 @@ impl<'a> Lattice<'a> {
         let stride = if self.plane.over_cells() { OWN as usize / 2 } else { TILE_NODES };
         let (first, last) =
             (column.div_euclid(i64::from(side)), (column + i64::from(columns) - 1).div_euclid(i64::from(side)));
-        let tiles_x = i64::from(self.columns() / side);
-        let tiles_y = self.rows() / side;
+        let tiles_x = i64::from(self.samples.columns / side);
+        let tiles_y = self.samples.rows / side;
         let mut out = vec![0.0; columns as usize * rows as usize];
         let mut done = 0;
         while done < rows {

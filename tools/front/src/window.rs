@@ -1,9 +1,54 @@
-//! Windows on the command line, and the samples in them.
+//! Windows on the command line, and the samples of a level in them.
 
 use std::str::FromStr;
 
-use super::Lattice;
-use relief_front::error::ToolError;
+use relief_formats::body::Body;
+use relief_formats::file::Relief;
+
+use crate::error::ToolError;
+
+/// Where the samples of a level lie, as a raster of the whole map: AT the nodes (a globe's rows
+/// run from pole to pole inclusive, its columns go round once), or in the middle of each 2 x 2 cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Samples {
+    /// Distinct columns.
+    pub columns: u32,
+    /// Rows, southernmost first.
+    pub rows: u32,
+    /// True when the last column is followed by the first.
+    pub wraps: bool,
+    /// Coordinates of sample (0, 0) and the spacing of samples, [x, y, dx, dy]: degrees on a
+    /// globe, CRS units on a plane.
+    pub frame: [f64; 4],
+}
+
+impl Samples {
+    /// The samples of a level that the grid has.
+    #[must_use]
+    pub fn of(relief: &Relief, level: u32, over_cells: bool) -> Self {
+        let (grid, scale) = (relief.grid(), f64::from(1u32 << level));
+        let [x, y, dx, dy] = match *relief.body() {
+            Body::Plane { x0, y0, dx, dy, .. } => [x0, y0, dx * scale, dy * scale],
+            Body::Ellipsoid { .. } => [-180.0, -90.0, grid.spacing_deg(level), grid.spacing_deg(level)],
+        };
+        Self {
+            columns: grid.width(level) >> u32::from(over_cells),
+            rows: (grid.height(level) >> u32::from(over_cells)) + u32::from(!grid.plane && !over_cells),
+            wraps: !grid.plane,
+            frame: if over_cells { [x + dx, y + dy, 2.0 * dx, 2.0 * dy] } else { [x, y, dx, dy] },
+        }
+    }
+
+    /// GDAL's geotransform of a raster of a rectangle's samples with north up: they are its pixels'
+    /// centres.
+    #[must_use]
+    pub fn geo_transform(&self, rectangle: Rectangle) -> [f64; 6] {
+        let [x, y, dx, dy] = self.frame;
+        let west = x + dx * (rectangle.column as f64 - 0.5);
+        let north = y + dy * (f64::from(rectangle.row + rectangle.rows) - 0.5);
+        [west, dx, 0.0, north, 0.0, -dy]
+    }
+}
 
 /// West, south, east, north: degrees on a globe, CRS units on a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +77,7 @@ impl FromStr for Bounds {
     }
 }
 
-/// Samples of a lattice; `column` may lie outside 0..columns where it wraps.
+/// A rectangle of samples; `column` may lie outside 0..columns where it wraps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rectangle {
     /// First column.
@@ -48,12 +93,12 @@ pub struct Rectangle {
 impl Bounds {
     /// The whole map as far as it has samples.
     #[must_use]
-    pub fn whole(lattice: &Lattice<'_>) -> Self {
-        let [x, y, dx, dy] = lattice.frame();
-        if lattice.wraps() {
+    pub fn whole(samples: &Samples) -> Self {
+        let [x, y, dx, dy] = samples.frame;
+        if samples.wraps {
             return Self { west: -180.0, south: -90.0, east: 180.0, north: 90.0 };
         }
-        let (columns, rows) = (f64::from(lattice.columns() - 1), f64::from(lattice.rows() - 1));
+        let (columns, rows) = (f64::from(samples.columns - 1), f64::from(samples.rows - 1));
         Self { west: x, south: y, east: x + dx * columns, north: y + dy * rows }
     }
 
@@ -91,20 +136,20 @@ impl Bounds {
 
     /// The samples that lie in an ordered window, its sides included; none where no sample does.
     #[must_use]
-    pub fn samples(&self, lattice: &Lattice<'_>) -> Option<Rectangle> {
+    pub fn samples(&self, samples: &Samples) -> Option<Rectangle> {
         // A millionth of a sample: what degrees written in decimals may be off.
         const SLACK: f64 = 1e-6;
-        let [x, y, dx, dy] = lattice.frame();
+        let [x, y, dx, dy] = samples.frame;
         let first = |low: f64, at: f64, step: f64| ((low - at) / step - SLACK).ceil();
         let last = |high: f64, at: f64, step: f64| ((high - at) / step + SLACK).floor();
         let (mut column, mut column_end) = (first(self.west, x, dx), last(self.east, x, dx) + 1.0);
-        if lattice.wraps() {
-            column_end = column_end.min(column + f64::from(lattice.columns()));
+        if samples.wraps {
+            column_end = column_end.min(column + f64::from(samples.columns));
         } else {
-            (column, column_end) = (column.max(0.0), column_end.min(f64::from(lattice.columns())));
+            (column, column_end) = (column.max(0.0), column_end.min(f64::from(samples.columns)));
         }
         let row = first(self.south, y, dy).max(0.0);
-        let row_end = (last(self.north, y, dy) + 1.0).min(f64::from(lattice.rows()));
+        let row_end = (last(self.north, y, dy) + 1.0).min(f64::from(samples.rows));
         (column < column_end && row < row_end).then_some(Rectangle {
             column: column as i64,
             row: row as u32,

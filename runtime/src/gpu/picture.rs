@@ -1,0 +1,148 @@
+//! Drawing and shading: `wgsl/frame_draw.wgsl` and `wgsl/frame_shade.wgsl`.
+
+use relief_shaders::kernels;
+
+use super::atlas::Atlas;
+use super::device::Device;
+use super::kernel::{self, Binding};
+use super::targets::{DEPTHS, PLACES, Targets};
+use super::tessellate::Lists;
+
+/// Byte of the arguments where those of the draw begin.
+const DRAW_ARGS: u64 = 16;
+
+/// Pipelines of a picture.
+pub(super) struct Picture {
+    planet: wgpu::BindGroupLayout,
+    corners: wgpu::BindGroupLayout,
+    pixels: wgpu::BindGroupLayout,
+    draw: wgpu::RenderPipeline,
+    shade: wgpu::ComputePipeline,
+}
+
+/// Groups over one view's buffers.
+pub(super) struct Groups {
+    planet: wgpu::BindGroup,
+    corners: wgpu::BindGroup,
+    pixels: wgpu::BindGroup,
+}
+
+impl Picture {
+    pub fn new(device: &Device) -> Self {
+        use Binding::{Depth, Integers, Read, ReadWrite, Uniform};
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let planet = kernel::layout_for(device, "planet", stages, [(0, Uniform)]);
+        let corners =
+            kernel::layout_for(device, "corners", wgpu::ShaderStages::VERTEX, [(0, Uniform), (1, Read)]);
+        let pixels = kernel::layout(
+            device,
+            "pixels",
+            &[Uniform, Uniform, Integers, Depth, ReadWrite, ReadWrite, ReadWrite],
+        );
+        let layout = kernel::pipeline_layout(device, &[Some(&Atlas::layout(device)), Some(&pixels)]);
+        let module = kernel::module(device, "frame_shade", kernels::FRAME_SHADE);
+        let shade = kernel::pipeline(device, &layout, &module, "shade_pixels");
+        let draw = draw_pipeline(device, &[Some(&planet), Some(&corners)]);
+        Self { planet, corners, pixels, draw, shade }
+    }
+
+    pub fn groups(
+        &self,
+        device: &Device,
+        atlas: &Atlas,
+        [view, style]: [&wgpu::Buffer; 2],
+        lists: &Lists,
+        targets: &Targets,
+    ) -> Groups {
+        let whole = wgpu::Buffer::as_entire_binding;
+        let texture = wgpu::BindingResource::TextureView;
+        Groups {
+            planet: kernel::group(device, &self.planet, &[whole(atlas.planet())]),
+            corners: kernel::group(device, &self.corners, &[whole(view), whole(&lists.relief)]),
+            pixels: kernel::group(
+                device,
+                &self.pixels,
+                &[
+                    whole(view),
+                    whole(style),
+                    texture(&targets.places_view),
+                    texture(&targets.depths_view),
+                    whole(&targets.colours),
+                    whole(&targets.distances),
+                    whole(&targets.normals),
+                ],
+            ),
+        }
+    }
+
+    /// Adds the pass that draws.
+    pub fn draw(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        groups: &Groups,
+        lists: &Lists,
+        targets: &Targets,
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("draw"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &targets.places_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &targets.depths_view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: timestamps,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        pass.set_pipeline(&self.draw);
+        pass.set_bind_group(0, &groups.planet, &[]);
+        pass.set_bind_group(1, &groups.corners, &[]);
+        pass.draw_indirect(&lists.args, DRAW_ARGS);
+    }
+
+    /// Adds to a pass the shading of all pixels.
+    pub fn shade(&self, pass: &mut wgpu::ComputePass<'_>, atlas: &Atlas, groups: &Groups, [width, height]: [u32; 2]) {
+        pass.set_pipeline(&self.shade);
+        pass.set_bind_group(0, atlas.group(), &[]);
+        pass.set_bind_group(1, &groups.pixels, &[]);
+        pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+    }
+}
+
+fn draw_pipeline(device: &Device, groups: &[Option<&wgpu::BindGroupLayout>]) -> wgpu::RenderPipeline {
+    let module = kernel::module(device, "frame_draw", kernels::FRAME_DRAW);
+    device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("frame_draw"),
+        layout: Some(&kernel::pipeline_layout(device, groups)),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("place_corner"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTHS,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("store_place"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(PLACES.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
