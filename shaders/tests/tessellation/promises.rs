@@ -6,6 +6,7 @@ use relief_formats::grid::Grid;
 
 use super::camera::Camera;
 use super::checks::{bounded, position_error, watertight};
+use super::file_pages::of_file;
 use super::nested::orphans;
 use super::page_set::{Fault, PageSet};
 use super::planet::{Ground, TestPlanet, hash};
@@ -101,7 +102,7 @@ fn pages_of_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.relief");
     Sample::new(body, m).write(&path);
-    let pages = PageSet::of_file(&planet, &Relief::open(&path).unwrap());
+    let pages = of_file(&planet, &Relief::open(&path).unwrap());
     let hard = hard(&planet).into_iter().skip(3);
     for (what, camera) in hard.chain((0..4).map(|n| ("random", random(&planet, n, 13)))) {
         check(&planet, &pages, &format!("file, {what}"), camera, true);
