@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use relief_shaders::shadow::sweep::{PlaneNodes, sweep_mask};
 
 use crate::compare::{Random, sun};
-use crate::oracle::World;
+use relief_shaders::oracle::World;
 use crate::worlds::{fractal_plane, world};
 
 fn nodes(world: &World) -> PlaneNodes<'_, f32> {
