@@ -5,7 +5,7 @@ use relief_formats::surface::Surface;
 
 use super::*;
 use crate::cpu::Cpu;
-use crate::frame::{Renderer as _, Settings};
+use crate::frame::{Renderer as _, Scheme, Settings};
 use crate::sample_file::Sample;
 use crate::view::{Sun, View};
 
@@ -51,7 +51,7 @@ fn the_measure_notices_a_mesh_that_is_off() {
     let camera = shots(&planet).unwrap()[1].camera;
     let view = View::new(camera, [320, 180], Sun::over(0.0, 0.0).unwrap());
     cpu.render_until_complete(&view, &Settings::default(), std::time::Duration::from_secs(20)).unwrap();
-    let mut triangles = cpu.mesh(&view, &Settings::default()).unwrap().triangles;
+    let mut triangles = cpu.mesh(&view, Scheme::Leb).unwrap();
     let good = measure(&planet, &surface, &view, &triangles, 5_000).unwrap();
     assert!(good.largest_px <= 1.01, "{good:?}");
     for corner in triangles.iter_mut().flatten() {
