@@ -6,7 +6,7 @@
 
 mod compare;
 mod hard;
-mod oracle;
+
 mod plane;
 mod worlds;
 
