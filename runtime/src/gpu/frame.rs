@@ -142,7 +142,10 @@ impl Gpu {
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, view: &shared::View, scheme: Scheme) {
         let (atlas, planet) = (self.resident.store(), self.resident.uniform());
         let Some((targets, groups)) = &self.targets else { return };
-        let timed = |n| wgpu::ComputePassDescriptor { label: Some(TIMED[n as usize]), timestamp_writes: self.timestamps.compute(n) };
+        let timed = |n| wgpu::ComputePassDescriptor {
+            label: Some(TIMED[n as usize]),
+            timestamp_writes: self.timestamps.compute(n),
+        };
         {
             let mut pass = encoder.begin_compute_pass(&timed(0));
             match scheme {

@@ -32,13 +32,9 @@ impl Picture {
         use Binding::{Depth, Integers, Read, ReadWrite, Uniform};
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let planet = kernel::layout_for(device, "planet", stages, [(0, Uniform)]);
-        let corners =
-            kernel::layout_for(device, "corners", wgpu::ShaderStages::VERTEX, [(0, Uniform), (1, Read)]);
-        let pixels = kernel::layout(
-            device,
-            "pixels",
-            &[Uniform, Uniform, Integers, Depth, ReadWrite, ReadWrite, ReadWrite],
-        );
+        let corners = kernel::layout_for(device, "corners", wgpu::ShaderStages::VERTEX, [(0, Uniform), (1, Read)]);
+        let pixels =
+            kernel::layout(device, "pixels", &[Uniform, Uniform, Integers, Depth, ReadWrite, ReadWrite, ReadWrite]);
         let layout = kernel::pipeline_layout(device, &[Some(&Atlas::layout(device)), Some(&pixels)]);
         let module = kernel::module(device, "frame_shade", kernels::FRAME_SHADE);
         let shade = kernel::pipeline(device, &layout, &module, "shade_pixels");
@@ -90,7 +86,10 @@ impl Picture {
                 view: &targets.places_view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &targets.depths_view,

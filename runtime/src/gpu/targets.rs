@@ -83,7 +83,11 @@ impl Targets {
                 texture.as_image_copy(),
                 wgpu::TexelCopyBufferInfo {
                     buffer: readback.buffer(),
-                    layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None },
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(row_bytes),
+                        rows_per_image: None,
+                    },
                 },
                 extent(self.size),
             );

@@ -100,8 +100,12 @@ impl Tessellation {
         let relief =
             kernel::empty(device, "relief triangles", relief * size_of::<ReliefTriangle>() as u64, Use::STORAGE);
         let params = kernel::uniform(device, "leb parameters", &Params::default());
-        let control =
-            kernel::empty(device, "leb control", size_of::<Control>() as u64, Use::STORAGE | Use::COPY_SRC | Use::COPY_DST);
+        let control = kernel::empty(
+            device,
+            "leb control",
+            size_of::<Control>() as u64,
+            Use::STORAGE | Use::COPY_SRC | Use::COPY_DST,
+        );
         let args = kernel::empty(device, "leb arguments", 32, Use::STORAGE | Use::INDIRECT | Use::COPY_DST);
         let whole = wgpu::Buffer::as_entire_binding;
         let passes = [[0, 1], [1, 0]].map(|[from, to]| {
@@ -173,8 +177,7 @@ impl Tessellation {
         device.queue().write_buffer(&lists.control, 0, bytemuck::bytes_of(&control));
         let args = [0u32, 0, 0, 0, 3 * triangles, 1, 0, 0];
         device.queue().write_buffer(&lists.args, 0, bytemuck::cast_slice(&args));
-        let group =
-            kernel::group(device, &self.cells, &[mesh.as_entire_binding(), lists.relief.as_entire_binding()]);
+        let group = kernel::group(device, &self.cells, &[mesh.as_entire_binding(), lists.relief.as_entire_binding()]);
         pass.set_pipeline(&self.uniform);
         pass.set_bind_group(0, atlas.group(), &[]);
         pass.set_bind_group(1, &group, &[]);

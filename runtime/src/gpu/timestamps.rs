@@ -24,8 +24,7 @@ impl Timestamps {
                 count,
             })
         });
-        let resolved =
-            kernel::empty(device, "timestamps", 8 * u64::from(count), Use::QUERY_RESOLVE | Use::COPY_SRC);
+        let resolved = kernel::empty(device, "timestamps", 8 * u64::from(count), Use::QUERY_RESOLVE | Use::COPY_SRC);
         Self { queries, resolved, names, period_ns: f64::from(device.queue().get_timestamp_period()) }
     }
 
