@@ -1,5 +1,5 @@
 // Between passes: the list that was written is the next to be read. One invocation.
-// use: leb_params leb_lists
+// use: leb_params leb_control
 
 // Arguments of an indirect dispatch, one word to spare, and of an indirect draw.
 struct LebArgs {
@@ -10,7 +10,9 @@ struct LebArgs {
     first_instance: u32,
 }
 
-@group(1) @binding(6) var<storage, read_write> args: LebArgs;
+@group(0) @binding(0) var<uniform> params: LebParams;
+@group(0) @binding(1) var<storage, read_write> control: LebControl;
+@group(0) @binding(2) var<storage, read_write> args: LebArgs;
 
 @compute @workgroup_size(1)
 fn leb_args() {
@@ -22,7 +24,7 @@ fn leb_args() {
     }
     control.count_in = count;
     control.passes += select(0u, 1u, count > 0u);
-    args.groups = array(( count + 63u) / 64u, 1u, 1u, 0u);
+    args.groups = array((count + 63u) / 64u, 1u, 1u, 0u);
     args.vertices = 3u * min(drawn, params.relief_capacity);
     args.instances = 1u;
     args.first_vertex = 0u;

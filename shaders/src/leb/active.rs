@@ -40,7 +40,7 @@ pub fn level(pages: &Pages<'_>, node: &Node) -> i32 {
 /// Tiles that must be usable for a node to be active.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Holders {
-    /// The node's level, or 0 for nodes below.
+    /// The node's level, or the nearest that is stored.
     pub level: u32,
     /// First and last column; on a globe the first may be the greater one.
     pub x: [u32; 2],
@@ -48,18 +48,15 @@ pub struct Holders {
     pub y: [u32; 2],
 }
 
-/// The tiles that hold a node. None above the coarsest level.
+/// The tiles that hold a node.
 ///
 /// Below level 0 the tiles within 2 cells, less the subtree's reach: so a node needs all that its
 /// parents need, up to a level-0 side's midpoint, which needs the tiles on which it lies.
 #[must_use]
-pub fn holders(pages: &Pages<'_>, node: &Node) -> Option<Holders> {
+pub fn holders(pages: &Pages<'_>, node: &Node) -> Holders {
     let planet = pages.planet;
     let signed = level(pages, node);
-    let level = signed.max(0) as u32;
-    if level > planet.root_level {
-        return None;
-    }
+    let level = (signed.max(0) as u32).min(planet.root_level);
     let cell_shift = 31 - planet.m;
     let reach = if signed < 0 { (2 << cell_shift) - node.subtree_half_width() } else { 0 };
     let shift = cell_shift + level + 8;
@@ -68,13 +65,13 @@ pub fn holders(pages: &Pages<'_>, node: &Node) -> Option<Holders> {
         (west, east) = (node.s - node.s.min(reach + 1), east.min((1 << 31) - 1));
     }
     let (south, north) = (node.t - node.t.min(reach + 1), (node.t + reach).min((1 << 31) - 1));
-    Some(Holders { level, x: [west >> shift, east >> shift], y: [south >> shift, north >> shift] })
+    Holders { level, x: [west >> shift, east >> shift], y: [south >> shift, north >> shift] }
 }
 
 /// True when all pages that hold the node are usable.
 #[must_use]
 pub fn usable(pages: &Pages<'_>, node: &Node) -> bool {
-    let Some(tiles) = holders(pages, node) else { return true };
+    let tiles = holders(pages, node);
     let is = |x: usize, y: usize| {
         let page = pages.find(tiles.level, tiles.x[x], tiles.y[y]);
         page != NONE && page & USABLE != 0
@@ -83,16 +80,14 @@ pub fn usable(pages: &Pages<'_>, node: &Node) -> bool {
     is(0, 0) && (!two_x || is(1, 0)) && (!two_y || is(0, 1)) && (!two_x || !two_y || is(1, 1))
 }
 
-/// Saturated deviation of a node, metres, at most the planet's range of heights.
+/// Saturated deviation of a node, metres, at most the planet's range of heights. Pages of the
+/// coarsest level have those of the levels above it.
 #[must_use]
 pub fn deviation_m(pages: &Pages<'_>, params: &Params, node: &Node, cells: Option<&VirtualCells>) -> f32 {
     if let Some(cells) = cells {
         return cells.deviation_m.min(params.range_m);
     }
-    let level = level(pages, node) as u32;
-    if level > pages.planet.root_level {
-        return params.range_m;
-    }
+    let level = (level(pages, node) as u32).min(pages.planet.root_level);
     let at = pages.place(level, node.s, node.t);
     let page = pages.find(level, at.x, at.y);
     if page == NONE {
@@ -161,7 +156,7 @@ pub fn judge(pages: &Pages<'_>, view: &View, params: &Params, node: &Node, paren
 
 /// Asks for the pages that hold a node.
 fn ask(pages: &Pages<'_>, node: &Node) {
-    let Some(tiles) = holders(pages, node) else { return };
+    let tiles = holders(pages, node);
     for y in 0..=usize::from(tiles.y[1] != tiles.y[0]) {
         for x in 0..=usize::from(tiles.x[1] != tiles.x[0]) {
             pages.ask(tiles.level, tiles.x[x], tiles.y[y]);

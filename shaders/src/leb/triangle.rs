@@ -127,10 +127,13 @@ pub fn start_exponent(plane: bool) -> u32 {
     if plane { 29 } else { 28 }
 }
 
+/// Triangles to start with, at most.
+pub const START_MOST: u32 = 64;
+
 /// How many triangles there are to start with.
 #[must_use]
 pub fn start_count(plane: bool) -> u32 {
-    if plane { 8 } else { 64 }
+    if plane { 8 } else { START_MOST }
 }
 
 /// Triangle `index` of the start: cells row by row, two in each. A cell's diagonal runs from

@@ -1,6 +1,6 @@
 //! Whether a patch is split: Algorithm 3 of paper 000.
 
-use super::extent::interval_m;
+use super::extent::square_interval_m;
 use super::patch::{Patch, level};
 use crate::angle::{sin_cos, sin_cos_lat};
 use crate::leb::Params;
@@ -38,7 +38,7 @@ pub fn splits(pages: &Pages<'_>, view: &View, params: &Params, patch: &Patch) ->
         pages.deviation_m(page & SLOT_MASK, at.column, at.row)
     } else {
         // S_0 and the patch lie in the same interval.
-        let [low, high] = interval_m(pages, patch);
+        let [low, high] = square_interval_m(pages, patch);
         high - low
     };
     let shows = shows(pages, view, params, patch, deviation_m);
@@ -83,7 +83,7 @@ fn shows(pages: &Pages<'_>, view: &View, params: &Params, patch: &Patch, deviati
     }
     let mut shows = false;
     for k in 0..3 {
-        let up = normal(planet, view, places[k]);
+        let up = normal_at(planet, view, places[k]);
         shows = shows || shows_at(view, params, prism, corners[k], up);
     }
     shows
@@ -115,7 +115,7 @@ fn bulge_m(planet: &Planet, a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 /// Unit normal of the body at (S, T) in the camera's frame.
-fn normal(planet: &Planet, view: &View, [s, t]: [u32; 2]) -> [f32; 3] {
+fn normal_at(planet: &Planet, view: &View, [s, t]: [u32; 2]) -> [f32; 3] {
     if planet.plane != 0 {
         return [0.0, 0.0, 1.0];
     }

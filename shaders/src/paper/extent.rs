@@ -12,7 +12,7 @@ use crate::position::camera_relative_m;
 /// The extremes of S_0 over the square a patch is half of, metres: that is one block of H_ext, or
 /// the finest around it that there is.
 #[must_use]
-pub fn interval_m(pages: &Pages<'_>, patch: &Patch) -> [f32; 2] {
+pub fn square_interval_m(pages: &Pages<'_>, patch: &Patch) -> [f32; 2] {
     let first = level(pages.planet, patch).max(0) as u32;
     let [_, [s, t], _] = patch.midpoints();
     for level in first..=pages.planet.root_level {
@@ -30,7 +30,7 @@ pub fn interval_m(pages: &Pages<'_>, patch: &Patch) -> [f32; 2] {
 #[must_use]
 pub fn invisible(pages: &Pages<'_>, view: &View, params: &Params, horizon: bool, patch: &Patch) -> bool {
     let node = patch.node();
-    let [low, high] = interval_m(pages, patch);
+    let [low, high] = square_interval_m(pages, patch);
     let centre_m = camera_relative_m(pages.planet, view, node.s, node.t, 0.5 * (low + high));
     let [x, y, z] = centre_m;
     let distance_m = (x * x + y * y + z * z).sqrt();

@@ -95,6 +95,12 @@ impl Dense {
         &self.nodes_m[y * (self.columns + 1)..][..self.columns + 1]
     }
 
+    /// All nodes, (columns + 1) x (rows + 1) heights in metres, south row first.
+    #[must_use]
+    pub fn nodes_m(&self) -> &[f32] {
+        &self.nodes_m
+    }
+
     /// Bytes held.
     #[must_use]
     pub fn bytes(&self) -> usize {

@@ -9,6 +9,7 @@ pub mod exact;
 pub mod patch;
 pub mod square;
 pub mod sun;
+pub mod sweep;
 
 pub use exact::{Relief, Sunlight, shadow_exact};
 

@@ -22,4 +22,6 @@ mod scene;
 mod views;
 
 mod cover;
+mod gpu;
+mod kernels;
 mod promises;

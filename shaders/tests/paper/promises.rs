@@ -11,7 +11,7 @@ use super::planet::{Ground, TestPlanet, hash};
 use super::scene::{Scene, places};
 use super::views::{hard, random};
 
-fn earth(m: u32) -> TestPlanet {
+pub fn earth(m: u32) -> TestPlanet {
     TestPlanet::globe(m, 6_378_137.0, 6_356_752.3, 0.5, Ground::Wild { most: 12_000, seed: 1 })
 }
 
@@ -20,11 +20,11 @@ fn moon(m: u32) -> TestPlanet {
 }
 
 /// Relief a fifth of the radius.
-fn lump(m: u32) -> TestPlanet {
+pub fn lump(m: u32) -> TestPlanet {
     TestPlanet::globe(m, 1000.0, 800.0, 0.125, Ground::Hills { most: 800, seed: 3 })
 }
 
-fn plain(m: u32) -> TestPlanet {
+pub fn plain(m: u32) -> TestPlanet {
     TestPlanet::plane(m, 30_000.0, 0.125, Ground::Wild { most: 8000, seed: 5 })
 }
 

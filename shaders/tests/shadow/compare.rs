@@ -5,7 +5,7 @@ use relief_shaders::planet::Planet;
 use relief_shaders::shadow::dense::Dense;
 use relief_shaders::shadow::{Counts, Sunlight, shadow_exact};
 
-use crate::oracle::World;
+use relief_shaders::oracle::World;
 use crate::worlds::{dense, planet};
 
 /// Start in fixed point, and the sun (east, north, up).

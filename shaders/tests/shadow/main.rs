@@ -6,7 +6,8 @@
 
 mod compare;
 mod hard;
-mod oracle;
+
+mod plane;
 mod worlds;
 
 use compare::{compare, compare_with, rays};

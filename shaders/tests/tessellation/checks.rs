@@ -147,8 +147,8 @@ impl Worst {
         let error = (u - x).hypot(v - y);
         self.seen += 1;
         self.largest_px = self.largest_px.max(error);
-        // Positions are within 1e-6 of the distance, heights rounded.
-        let rounding = 1e-6 + height_rounding_m(scene) / z;
+        // Positions are within 5e-7 of the distance, heights rounded.
+        let rounding = 5e-7 + height_rounding_m(scene) / z;
         self.excess_px = self.excess_px.max(error - camera.pixel_error - focal * sec2 * rounding);
         Ok(())
     }

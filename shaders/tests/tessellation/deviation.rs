@@ -2,10 +2,10 @@
 
 use super::planet::TestPlanet;
 
-/// Deviations of the nodes of each stored level, metres, row by row; columns as the map's.
+/// Deviations of the nodes of each level up to the start's, metres, row by row.
 pub fn deviations(planet: &TestPlanet, saturated: bool) -> Vec<Vec<f64>> {
     let mut levels: Vec<Vec<f64>> = Vec::new();
-    for k in 0..=planet.m - 8 {
+    for k in 0..=planet.m - 2 - u32::from(!planet.plane) {
         let (w, h) = (planet.cells_x() >> k, planet.cells_y() >> k);
         let columns = if planet.plane { w + 1 } else { w };
         let mut level = vec![0.0; (columns * (h + 1)) as usize];

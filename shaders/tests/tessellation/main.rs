@@ -2,13 +2,20 @@
 //! watertight, bounded, positions exact, nothing visible culled, activity nested. Each check has
 //! a test in which it fails.
 
+#![allow(clippy::unwrap_used, reason = "a test ends at the first thing that goes wrong")]
+
+mod breaches;
 mod camera;
 mod checks;
 mod deviation;
+mod gpu;
+mod layouts;
 mod nested;
 mod page_set;
 mod planet;
 mod promises;
+#[path = "../../../tests/support/sample_file.rs"]
+mod sample_file;
 mod scene;
 mod views;
 mod virtual_cells;

@@ -9,7 +9,7 @@ use super::planet::{Ground, TestPlanet, hash};
 use super::views::{hard, random};
 
 /// How many nodes of random descents are active though a parent is not.
-fn orphans(planet: &TestPlanet, pages: &PageSet, camera: Camera, descents: u64, seed: u64) -> usize {
+pub fn orphans(planet: &TestPlanet, pages: &PageSet, camera: Camera, descents: u64, seed: u64) -> usize {
     let (view, pages) = (camera.view(planet), pages.pages());
     let params = Params::new(pages.planet, &view, 1, 1);
     let active = |t: &Triangle| t.divisible() && judge(&pages, &view, &params, &t.node(), &t.parent()).active;

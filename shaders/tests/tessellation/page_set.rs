@@ -1,10 +1,14 @@
 //! Pages in memory, filled from a test planet as the residency would.
 
+use std::collections::HashMap;
 use std::sync::atomic::AtomicU32;
 
-use relief_shaders::pages::{
-    BLOCKS, BOUND_WORDS, EXTREME_WORDS, HEIGHT_WORDS, NODES, NONE, PROBES, Pages, USABLE, hash, key,
-};
+use relief_formats::derive::crown;
+use relief_formats::file::Relief;
+use relief_formats::grid::Grid;
+use relief_formats::tile::TileKey;
+use relief_formats::tiles::Tiles;
+use relief_shaders::pages::{BLOCKS, BOUND_WORDS, HEIGHT_WORDS, NODES, NONE, PROBES, Pages, USABLE, hash, key};
 use relief_shaders::planet::Planet;
 
 use super::deviation::deviations;
@@ -40,13 +44,7 @@ impl PageSet {
         let devs = deviations(planet, fault != Fault::Unsaturated);
         let extremes = extremes_m(planet);
         let tiles = |k: u32| ((planet.cells_x() >> k >> 8) as u32, (planet.cells_y() >> k >> 8) as u32);
-        let mut set = Self {
-            planet: Planet { table_bits: 10, seen_bits: 10, ..planet.planet() },
-            table: vec![[NONE, NONE]; 1 << 10],
-            heights: Vec::new(),
-            bounds: Vec::new(),
-            seen: (0..1 << 10).map(|_| AtomicU32::new(0)).collect(),
-        };
+        let mut set = Self::empty(planet);
         let mut usable: Vec<Vec<bool>> = vec![Vec::new(); root as usize + 1];
         for k in (0..=root).rev() {
             let (tx, ty) = tiles(k);
@@ -65,6 +63,69 @@ impl PageSet {
             }
         }
         set
+    }
+
+    /// Pages of a file's tiles, as its reader gives them.
+    pub fn of_file(planet: &TestPlanet, relief: &Relief) -> Self {
+        let (tiles, grid, root) = (Tiles::new(relief, 0), relief.grid(), relief.grid().root_level());
+        let mut set = Self::empty(planet);
+        let crown = crown_codes(&tiles);
+        let mut bounds: HashMap<TileKey, Vec<[f32; 2]>> = HashMap::new();
+        let metres = |q: i32| (f64::from(q) * relief.step_m()) as f32;
+        for level in (0..=root).rev() {
+            for (x, y) in (0..grid.tiles_y(level)).flat_map(|y| (0..grid.tiles_x(level)).map(move |x| (x, y))) {
+                let tile = TileKey::new(level, x, y);
+                let slot = set.slots();
+                set.heights.extend(tiles.nodes(tile).unwrap().iter().map(|&q| metres(q)));
+                let mut extremes: Vec<[f32; 2]> =
+                    tiles.extremes(tile).unwrap().iter().map(|e| [metres(e.min), metres(e.max)]).collect();
+                if level < root {
+                    // A file rounds each level outwards by itself; intervals must nest.
+                    let (parent, (east, north)) = (&bounds[&tile.parent()], tile.quadrant());
+                    for (k, own) in extremes.iter_mut().enumerate() {
+                        let around = parent[(k / 256 + 64 * north) * 128 + k % 128 / 2 + 64 * east];
+                        *own = [own[0].max(around[0]), own[1].min(around[1])];
+                    }
+                }
+                set.bounds.extend(extremes.iter().flatten().map(|v| v.to_bits()));
+                let codes = match level == root {
+                    true => (0..NODES * NODES)
+                        .map(|k| {
+                            crown[(k / NODES * crown_columns(grid) + (256 * x + k % NODES) % crown_columns(grid))
+                                as usize]
+                        })
+                        .collect(),
+                    false => tiles.deviations(tile).unwrap().unwrap(),
+                };
+                set.push_codes(codes.into_iter().map(u32::from));
+                set.insert(key(level, x, y), USABLE | slot);
+                bounds.insert(tile, extremes);
+            }
+        }
+        set
+    }
+
+    /// Pages none.
+    fn empty(planet: &TestPlanet) -> Self {
+        Self {
+            planet: Planet { table_bits: 10, seen_bits: 10, ..planet.planet() },
+            table: vec![[NONE, NONE]; 1 << 10],
+            heights: Vec::new(),
+            bounds: Vec::new(),
+            seen: (0..1 << 10).map(|_| AtomicU32::new(0)).collect(),
+        }
+    }
+
+    fn slots(&self) -> u32 {
+        self.heights.len() as u32 / HEIGHT_WORDS
+    }
+
+    fn push_codes(&mut self, codes: impl Iterator<Item = u32>) {
+        let codes: Vec<u32> = codes.collect();
+        for four in codes.chunks(4) {
+            self.bounds.push(four.iter().rev().fold(0, |word, code| word << 8 | code));
+        }
+        assert_eq!(self.bounds.len() as u32, self.slots() * BOUND_WORDS);
     }
 
     pub fn pages(&self) -> Pages<'_> {
@@ -100,7 +161,7 @@ impl PageSet {
         x: u32,
         y: u32,
     ) -> u32 {
-        let slot = self.heights.len() as u32 / HEIGHT_WORDS;
+        let slot = self.slots();
         let w = planet.cells_x() >> k;
         let columns = if planet.plane { w + 1 } else { w };
         let mut codes = vec![0u32; NODES as usize * NODES as usize];
@@ -108,8 +169,12 @@ impl PageSet {
             for c in 0..NODES {
                 let (i, j) = (i64::from(256 * x + c), i64::from(256 * y + r));
                 self.heights.push((f64::from(planet.node(i << k, j << k)) * planet.step_m) as f32);
-                let i = if planet.plane { i } else { i % w };
-                let deviation = devs[k as usize][(j * columns + i) as usize] / planet.step_m;
+                // The coarsest pages have the codes of the levels above.
+                let up = if k == planet.m - 8 { (i | j).trailing_zeros().min(31) } else { 0 };
+                let i = if planet.plane { i } else { i % w } >> up;
+                let columns = if planet.plane { columns >> up | 1 } else { columns >> up };
+                let deviation =
+                    devs.get((k + up) as usize).map_or(0.0, |d| d[((j >> up) * columns + i) as usize]) / planet.step_m;
                 let deviation = if fault == Fault::Quartered { deviation / 4.0 } else { deviation };
                 codes[(r * NODES + c) as usize] = code(deviation);
             }
@@ -121,13 +186,31 @@ impl PageSet {
                 self.bounds.extend(extremes[k as usize][at as usize].map(f32::to_bits));
             }
         }
-        for four in codes.chunks(4) {
-            self.bounds.push(four.iter().rev().fold(0, |word, code| word << 8 | code));
-        }
-        assert_eq!(self.bounds.len() as u32, (slot + 1) * BOUND_WORDS);
-        assert!(EXTREME_WORDS < BOUND_WORDS);
+        self.push_codes(codes.into_iter());
         slot
     }
+}
+
+/// Columns of nodes of the coarsest level.
+fn crown_columns(grid: Grid) -> u32 {
+    crown::columns(grid) as u32
+}
+
+/// Codes of the coarsest level's nodes with those of the levels above, row by row.
+fn crown_codes(tiles: &Tiles<'_>) -> Vec<u8> {
+    let grid = tiles.relief().grid();
+    let columns = crown_columns(grid) as usize;
+    let (mut nodes, mut codes) = (vec![0; crown::ROWS * columns], vec![0; crown::ROWS * columns]);
+    for x in 0..grid.tiles_x(grid.root_level()) {
+        let tile = TileKey::new(grid.root_level(), x, 0);
+        let (tile_nodes, tile_codes) = (tiles.nodes(tile).unwrap(), tiles.deviations(tile).unwrap().unwrap());
+        for k in 0..(NODES * NODES) as usize {
+            let at = k / 257 * columns + (x as usize * 256 + k % 257) % columns;
+            (nodes[at], codes[at]) = (tile_nodes[k], tile_codes[k]);
+        }
+    }
+    crown::crown(grid, &nodes, &mut codes);
+    codes
 }
 
 /// The smallest code not below a deviation in steps (SPEC, "Deviations").

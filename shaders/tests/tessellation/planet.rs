@@ -79,8 +79,13 @@ fn range(q: &[i32]) -> [i32; 2] {
 
 impl TestPlanet {
     pub fn globe(m: u32, a_m: f64, b_m: f64, step_m: f64, ground: Ground) -> Self {
+        Self::globe_of(m, a_m, b_m, step_m, |i, j| ground.at(m, i, j, 2 << m))
+    }
+
+    /// A globe whose node (i, j) is so many steps high; each pole's row as its first node.
+    pub fn globe_of(m: u32, a_m: f64, b_m: f64, step_m: f64, height: impl Fn(usize, usize) -> i32) -> Self {
         let (columns, rows) = (2 << m, (1 << m) + 1);
-        let mut q: Vec<i32> = (0..columns * rows).map(|k| ground.at(m, k % columns, k / columns, columns)).collect();
+        let mut q: Vec<i32> = (0..columns * rows).map(|k| height(k % columns, k / columns)).collect();
         for row in [0, rows - 1] {
             let pole = q[row * columns];
             q[row * columns..][..columns].fill(pole);
@@ -93,7 +98,13 @@ impl TestPlanet {
 
     pub fn plane(m: u32, side_m: f64, step_m: f64, ground: Ground) -> Self {
         let columns = (1 << m) + 1;
-        let q: Vec<i32> = (0..columns * columns).map(|k| ground.at(m, k % columns, k / columns, columns)).collect();
+        Self::plane_of(m, side_m, step_m, |i, j| ground.at(m, i, j, columns))
+    }
+
+    /// A plane whose node (i, j) is so many steps high.
+    pub fn plane_of(m: u32, side_m: f64, step_m: f64, height: impl Fn(usize, usize) -> i32) -> Self {
+        let columns = (1 << m) + 1;
+        let q: Vec<i32> = (0..columns * columns).map(|k| height(k % columns, k / columns)).collect();
         let range = range(&q);
         let unit_m = f64::from((side_m / 2f64.powi(31)) as f32);
         Self { m, plane: true, a_m: 0.0, b_m: 0.0, step_m, unit_m, columns, rows: columns, q, range }

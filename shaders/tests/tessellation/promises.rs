@@ -1,9 +1,15 @@
 //! Watertight, bounded, exact, complete: over views and planets.
 
+use relief_formats::body::Body;
+use relief_formats::file::Relief;
+use relief_formats::grid::Grid;
+
 use super::camera::Camera;
 use super::checks::{bounded, position_error, watertight};
+use super::nested::orphans;
 use super::page_set::{Fault, PageSet};
 use super::planet::{Ground, TestPlanet, hash};
+use super::sample_file::{Sample, wavy_q};
 use super::scene::Scene;
 use super::views::{hard, random};
 
@@ -35,7 +41,7 @@ fn check(planet: &TestPlanet, pages: &PageSet, what: &str, camera: Camera, compl
         panic!("{what}: {why}");
     }
     let position = position_error(&scene).unwrap_or_else(|why| panic!("{what}: {why}"));
-    assert!(position < 1e-6, "{what}: a position is off by {position:e} of its distance; {camera:?}");
+    assert!(position < 5.2e-7, "{what}: a position is off by {position:e} of its distance; {camera:?}");
     let worst = bounded(&scene, 2000, 7).unwrap_or_else(|why| panic!("{what}: {why}"));
     if complete {
         assert!(worst.excess_px <= 0.0, "{what}: {worst:?} {camera:?}");
@@ -82,5 +88,23 @@ fn missing_pages_leave_no_gaps() {
         for n in 0..4 {
             check(&planet, &pages, &format!("missing {n}"), random(&planet, n, 12), false);
         }
+    }
+}
+
+/// The same promises with pages of a file: deviations and bounds as the bake derives and stores them.
+#[test]
+fn pages_of_a_file() {
+    let (m, a_m) = (10, 20_000.0);
+    let body = Body::Ellipsoid { name: "small".into(), a_m, b_m: 0.99 * a_m };
+    let grid = Grid::new(m, false);
+    let planet = TestPlanet::globe_of(m, a_m, 0.99 * a_m, 0.0625, |i, j| wavy_q(grid, i as u32, j as u32));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.relief");
+    Sample::new(body, m).write(&path);
+    let pages = PageSet::of_file(&planet, &Relief::open(&path).unwrap());
+    let hard = hard(&planet).into_iter().skip(3);
+    for (what, camera) in hard.chain((0..4).map(|n| ("random", random(&planet, n, 13)))) {
+        check(&planet, &pages, &format!("file, {what}"), camera, true);
+        assert_eq!(orphans(&planet, &pages, camera, 100, 3), 0, "{what}");
     }
 }

@@ -1,5 +1,5 @@
 // Whether a node is active. Twin: src/leb/active.rs.
-// use: pages leb_params leb_triangle leb_virtual_cells leb_region
+// use: pages leb_view leb_triangle leb_virtual_cells leb_region
 
 struct Judgement {
     region: Region,
@@ -16,12 +16,11 @@ fn node_level(n: Node) -> i32 {
     return i32(n.exponent) - (31 - i32(planet.m));
 }
 
-// Its level is above the coarsest one where nothing holds the node.
 fn holders(n: Node) -> Holders {
-    let level = u32(max(node_level(n), 0));
+    let level = min(u32(max(node_level(n), 0)), planet.root_level);
     let cell_shift = 31u - planet.m;
     let reach = select(0u, (2u << cell_shift) - subtree_half_width(n), node_level(n) < 0);
-    let shift = min(cell_shift + level + 8u, 31u);
+    let shift = cell_shift + level + 8u;
     var west = n.s - reach - 1u;
     var east = n.s + reach;
     if planet.plane != 0u {
@@ -39,9 +38,6 @@ fn usable_page(level: u32, x: u32, y: u32) -> bool {
 }
 
 fn usable(tiles: Holders) -> bool {
-    if tiles.level > planet.root_level {
-        return true;
-    }
     let two_x = tiles.x.y != tiles.x.x;
     let two_y = tiles.y.y != tiles.y.x;
     return usable_page(tiles.level, tiles.x.x, tiles.y.x)
@@ -51,10 +47,7 @@ fn usable(tiles: Holders) -> bool {
 }
 
 fn stored_deviation_m(n: Node) -> f32 {
-    let level = u32(node_level(n));
-    if level > planet.root_level {
-        return params.range_m;
-    }
+    let level = min(u32(node_level(n)), planet.root_level);
     let at = tile_place(level, n.s, n.t);
     let page = find_page(level, at.x, at.y);
     if page == NONE {
@@ -117,7 +110,7 @@ fn judge(n: Node, parent: Node) -> Judgement {
         deviation = stored_deviation_m(parent);
     }
     let shows = may_show(n, region, error_m(n, region, deviation));
-    if (is_usable || shows) && tiles.level <= planet.root_level {
+    if is_usable || shows {
         for (var y = 0u; y <= select(0u, 1u, tiles.y.y != tiles.y.x); y++) {
             for (var x = 0u; x <= select(0u, 1u, tiles.x.y != tiles.x.x); x++) {
                 ask_page(tiles.level, tiles.x[x], tiles.y[y]);

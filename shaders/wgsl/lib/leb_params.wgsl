@@ -1,5 +1,4 @@
 // What the scheme knows of planet and view. Twin: src/leb/params.rs.
-// use: planet
 
 const SLACK: f32 = 2e-6;
 
@@ -25,6 +24,3 @@ struct LebParams {
     padding_1: u32,
     padding_2: u32,
 }
-
-@group(1) @binding(0) var<uniform> view: View;
-@group(1) @binding(1) var<uniform> params: LebParams;

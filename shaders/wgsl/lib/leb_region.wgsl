@@ -1,5 +1,5 @@
 // Where all that may be drawn under a node lies. Twin: src/leb/region.rs.
-// use: pages position leb_params leb_triangle leb_virtual_cells
+// use: pages position leb_view leb_triangle leb_virtual_cells
 
 struct Region {
     centre_m: vec3<f32>,

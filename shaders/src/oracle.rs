@@ -7,7 +7,9 @@ use relief_formats::geodesy::{Ellipsoid, Geodetic};
 
 /// Heights at the nodes of a map, and what it lies on.
 pub struct World {
+    /// What it is.
     pub name: &'static str,
+    /// The map exponent.
     pub m: u32,
     /// None: a plane.
     pub ellipsoid: Option<Ellipsoid>,
@@ -28,10 +30,14 @@ pub struct Margin {
 
 impl Margin {
     /// Half the width of the band in which a kernel may differ (DESIGN section 10).
+    /// The band's half width, radians.
+    #[must_use]
     pub fn tolerance_rad(&self) -> f64 {
         1e-4 + 0.002 / self.distance_m
     }
 
+    /// True within the band.
+    #[must_use]
     pub fn is_inside(&self) -> bool {
         self.angle_rad.abs() <= self.tolerance_rad()
     }
@@ -65,14 +71,20 @@ struct At {
 }
 
 impl World {
+    /// Rows of cells.
+    #[must_use]
     pub fn rows(&self) -> usize {
         1 << self.m
     }
 
+    /// Columns of cells.
+    #[must_use]
     pub fn columns(&self) -> usize {
         self.rows() << u32::from(self.ellipsoid.is_some())
     }
 
+    /// The greatest height, metres.
+    #[must_use]
     pub fn max_m(&self) -> f64 {
         self.nodes_m.iter().fold(f32::NEG_INFINITY, |a, &b| a.max(b)).into()
     }
@@ -92,7 +104,8 @@ impl World {
         [f64::from(s) / unit, f64::from(t) / unit]
     }
 
-    /// S_0 at fixed-point (S, T).
+    /// S_0 at fixed-point (S, T), metres.
+    #[must_use]
     pub fn height_m(&self, s: u32, t: u32) -> f64 {
         let [x, y] = self.cells(s, t);
         let i = (x as i64).min(self.columns() as i64 - 1);
@@ -164,6 +177,7 @@ impl World {
 
     /// The margin of a ray from S_0 at (S, T) towards the sun (east, north, up), exact while it is
     /// within `range_rad`; beyond, only its sign and its being beyond are.
+    #[must_use]
     pub fn margin(&self, s: u32, t: u32, sun: [f64; 3], range_rad: f64) -> Margin {
         let line = self.line(s, t, sun);
         if sun[0].hypot(sun[1]) < 1e-9 {
