@@ -11,6 +11,7 @@ use relief_runtime::view::Sun;
 use relief_shaders::shadow::dense::Dense;
 use relief_shaders::shadow::shadow_exact;
 use relief_shaders::shadow::sun::sun_local;
+use relief_shaders::shadow::sweep::{PlaneNodes, sweep_mask};
 
 /// Fixed-point longitude 0, where ECEF's x axis points.
 const GREENWICH: u32 = 1 << 31;
@@ -44,6 +45,31 @@ impl Caster {
 
     /// The mask of a rectangle of nodes, rows from the north.
     pub fn mask(&self, sun: &Sun, radius_deg: f64, rectangle: Rectangle) -> Vec<u8> {
+        match *sun {
+            Sun::Local(towards) if radius_deg == 0.0 => self.swept(towards.map(|c| c as f32), rectangle),
+            _ => self.cast(sun, radius_deg, rectangle),
+        }
+    }
+
+    /// Rays of one direction, all at once.
+    fn swept(&self, towards: [f32; 3], rectangle: Rectangle) -> Vec<u8> {
+        let planet = self.planet.uniform();
+        let units = f64::from(1u32 << (31 - planet.m + self.dense.level()));
+        let nodes = PlaneNodes {
+            samples: self.dense.nodes_m(),
+            unit_m: 1.0,
+            columns: self.dense.columns(),
+            rows: self.dense.rows(),
+            spacing_m: [planet.unit_x_m, planet.unit_y_m].map(|unit_m| f64::from(unit_m) * units),
+        };
+        let (lit, _) = sweep_mask::<false, f32>(&nodes, towards);
+        let (column, columns) = (rectangle.column as usize, rectangle.columns as usize);
+        let rows = (rectangle.row..rectangle.row + rectangle.rows).rev();
+        rows.flat_map(|y| &lit[y as usize * nodes.columns + column..][..columns]).map(|&lit| 255 * lit).collect()
+    }
+
+    /// A ray from each node, on its own.
+    fn cast(&self, sun: &Sun, radius_deg: f64, rectangle: Rectangle) -> Vec<u8> {
         let (planet, level) = (self.planet.uniform(), self.dense.level());
         let shift = 31 - planet.m + level;
         let radius_rad = radius_deg.to_radians() as f32;

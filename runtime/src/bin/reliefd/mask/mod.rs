@@ -2,6 +2,7 @@
 
 mod cast;
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -10,7 +11,7 @@ use relief_front::error::ToolError;
 use relief_front::publish::publish;
 use relief_front::stdout::print;
 use relief_front::window::{Bounds, Rectangle, Samples};
-use relief_runtime::geotiff::{Georeference, write_mask};
+use relief_runtime::geotiff::{Georeference, sidecar, write_mask};
 use relief_runtime::planet::Planet;
 use relief_runtime::view::SUN_RADIUS_DEG;
 
@@ -26,8 +27,8 @@ use crate::typed::{TimesArg, plain};
 #[command(
     long_about = "Shadows: how much of the sun every node of a level sees.\n\n\
         Values are 0 in shadow and 255 in the light, between on a soft edge. A GeoTIFF lies exactly where \
-        `relief-bake export` puts the same level and window: the pixels' centres are the nodes. The rays \
-        are straight, above the curved body. Outputs that exist are replaced.",
+        `relief-bake export` puts the same level and window: the pixels' centres are the nodes. A CRS without \
+        an EPSG code goes into MASK.tif.aux.xml, which GDAL reads. The rays are straight, above the curved body. Outputs that exist are replaced.",
     after_long_help = "With --times the outputs are MASK_TIME.tif, TIME as 20260621T120000Z.\n\n\
         Examples:\n  reliefd mask earth.relief --time 2026-06-21T03:30:00Z --window 80,25,95,35 -o himalaya.tif\n  \
         reliefd mask moon.relief --sun 90,-1.5 --level 2 --soft -o moon.png\n  \
@@ -146,7 +147,27 @@ fn write(
         geo_transform: samples.geo_transform(rectangle),
         metadata: &metadata,
     };
+    beside(path, sidecar(planet.relief().body()))?;
     publish(path, |out| write_mask(out, size, mask, &georeference).map_err(std::io::Error::other))
+}
+
+/// Writes GDAL's file beside a raster, or removes one that belonged to an earlier raster.
+fn beside(path: &Path, text: Option<String>) -> Result<(), ToolError> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".aux.xml");
+    let path = PathBuf::from(name);
+    match text {
+        Some(text) => publish(&path, |out| out.write_all(text.as_bytes())),
+        None => match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(ToolError::Io {
+                action: "cannot remove",
+                path,
+                error,
+                remedy: "remove it: it belongs to an earlier raster of that name".into(),
+            }),
+            _ => Ok(()),
+        },
+    }
 }
 
 #[cfg(test)]
