@@ -7,6 +7,7 @@ mod mask;
 mod output;
 mod probe;
 mod render;
+mod report;
 mod typed;
 
 use std::process::ExitCode;
@@ -28,6 +29,7 @@ struct Cli {
 enum Command {
     Render(render::Args),
     Mask(mask::Args),
+    Report(report::Args),
     Probe(probe::Args),
 }
 
@@ -44,6 +46,7 @@ fn main() -> ExitCode {
     let result: Result<Outcome, ToolError> = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
         Command::Mask(args) => mask::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Probe(args) => probe::run(&args),
     };
     match result {

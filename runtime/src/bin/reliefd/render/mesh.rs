@@ -2,7 +2,7 @@
 //!
 //! Origin: the foot of the camera, on the ellipsoid (a plane: at height 0). +X is east there, +Y
 //! up, +Z south; metres. Positions are f32, rounded once from f64: near the camera they are as
-//! exact as the file. Corners at one place of the map are one vertex.
+//! exact as the file. Equal corners are one vertex.
 
 use std::collections::HashMap;
 
@@ -32,11 +32,11 @@ pub fn glb(planet: &Planet, camera: &Camera, triangles: &[ReliefTriangle]) -> Re
         ));
     }
     let place = Place::new(planet, camera);
-    let mut known: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut known: HashMap<[u32; 3], u32> = HashMap::new();
     let mut positions: Vec<[f32; 3]> = Vec::new();
     let mut indices: Vec<u32> = Vec::with_capacity(3 * triangles.len());
     for corner in triangles.iter().flatten() {
-        let index = *known.entry((corner.s, corner.t)).or_insert_with(|| {
+        let index = *known.entry([corner.s, corner.t, corner.height_m.to_bits()]).or_insert_with(|| {
             positions.push(place.of(corner));
             positions.len() as u32 - 1
         });

@@ -11,8 +11,7 @@ use relief_front::error::ToolError;
 use relief_front::picture::{RgbImage, write_png};
 use relief_front::publish::publish;
 use relief_front::stdout::print;
-use relief_runtime::cpu::Cpu;
-use relief_runtime::frame::{Frame, Overlay, Renderer as _, Scheme, Settings};
+use relief_runtime::frame::{Frame, Overlay, Renderer, Scheme, Settings};
 use relief_runtime::planet::Planet;
 use relief_runtime::view::{Camera, SUN_RADIUS_DEG, View};
 
@@ -89,6 +88,17 @@ pub struct Args {
 enum SchemeChoice {
     /// Longest-edge bisection: within --pixel-error, everywhere
     Leb,
+    /// The triangle patches of paper 000: --pixel-error is a wish
+    Paper,
+}
+
+impl SchemeChoice {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Leb => "leb",
+            Self::Paper => "paper",
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -99,9 +109,6 @@ enum OverlayChoice {
     Lod,
 }
 
-/// Most memory for the tiles of a mesh.
-const MESH_BYTES: u64 = 1 << 30;
-
 /// Runs the command.
 ///
 /// # Errors
@@ -110,12 +117,11 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     check(args)?;
     let began = Instant::now();
     let planet = open(&args.file)?;
-    let light_of = |camera: &Camera| match args.sun.light(&planet)? {
-        Some(light) => Ok(light),
-        None => Light::of_maps(&planet, camera),
-    };
     let camera = camera(&planet, args)?;
-    let light = light_of(&camera)?;
+    let light = match args.sun.light(&planet)? {
+        Some(light) => light,
+        None => Light::of_maps(&planet, &camera)?,
+    };
     let view = View {
         sun_radius_deg: if args.soft { SUN_RADIUS_DEG } else { 0.0 },
         pixel_error: args.pixel_error,
@@ -129,7 +135,7 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     let wait = Duration::from_secs_f64(args.wait);
     let frame = renderer.render_until_complete(&view, &settings, wait).map_err(of_render(&args.file))?;
     let complete = began.elapsed();
-    write(args, &planet, &view, &settings, &frame)?;
+    write(args, &planet, &mut *renderer, (&view, &settings), &frame)?;
     if args.stats {
         print(&stats::json(args, &backend, &frame, [opened, complete]))?;
     }
@@ -166,28 +172,34 @@ fn camera(planet: &Planet, args: &Args) -> Result<Camera, ToolError> {
 }
 
 fn settings(args: &Args) -> Settings {
-    let SchemeChoice::Leb = args.scheme;
+    let scheme = match args.scheme {
+        SchemeChoice::Leb => Scheme::Leb,
+        SchemeChoice::Paper => Scheme::Paper,
+    };
     let overlay = match args.overlay {
         None => Overlay::None,
         Some(OverlayChoice::Wireframe) => Overlay::Wireframe,
         Some(OverlayChoice::Lod) => Overlay::Detail,
     };
-    Settings { scheme: Scheme::Leb, overlay, ..Settings::default() }
+    Settings { scheme, overlay, ..Settings::default() }
 }
 
-fn write(args: &Args, planet: &Arc<Planet>, view: &View, settings: &Settings, frame: &Frame) -> Result<(), ToolError> {
+fn write(
+    args: &Args,
+    planet: &Planet,
+    renderer: &mut dyn Renderer,
+    (view, settings): (&View, &Settings),
+    frame: &Frame,
+) -> Result<(), ToolError> {
     let pixels = frame.colour.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
     write_png(&args.out, &RgbImage { width: frame.width as usize, height: frame.height as usize, pixels })?;
     if let Some(path) = &args.mask {
         write_grey_png(path, [frame.width, frame.height], &frame.lit)?;
     }
     if let Some(path) = &args.mesh {
-        // The twin's mesh is the GPU's.
-        let failed = of_render(&args.file);
-        let mut cpu = Cpu::new(Arc::clone(planet), MESH_BYTES).map_err(failed)?;
-        let small = View { width: view.width, height: view.height, ..*view };
-        cpu.render_until_complete(&small, settings, Duration::from_secs_f64(args.wait)).map_err(failed)?;
-        let triangles = cpu.mesh(view, settings).map_err(of_view)?.triangles;
+        let mut triangles = renderer.mesh(view, settings.scheme).map_err(of_render(&args.file))?;
+        // A GPU yields them in any order.
+        triangles.sort_unstable_by_key(|corners| corners.map(|corner| (corner.s, corner.t)));
         let bytes = mesh::glb(planet, &view.camera, &triangles)?;
         publish(path, |out| std::io::Write::write_all(out, &bytes))?;
     }
