@@ -8,7 +8,7 @@ use super::shadows::ShadowRow;
 /// One row for each mesh.
 pub fn meshes(rows: &[MeshRow]) -> String {
     let mut text = String::from(
-        "view,scheme,threshold_px,triangles,passes,cpu_ms,largest_px,rms_px,largest_m,rms_m,points_in_view\n",
+        "view,scheme,threshold_px,triangles,cpu_ms,largest_px,rms_px,largest_m,rms_m,points_in_view\n",
     );
     for row in rows {
         let threshold = row.threshold_px.map_or(String::new(), |px| px.to_string());
@@ -16,8 +16,16 @@ pub fn meshes(rows: &[MeshRow]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "\"{}\",{},{threshold},{},{},{:.3},{:.4},{:.4},{:.4},{:.4},{}",
-            row.view, row.scheme, row.triangles, row.passes, row.cpu_ms, e.largest_px, e.rms_px, e.largest_m, e.rms_m, e.points
+            "\"{}\",{},{threshold},{},{:.3},{:.4},{:.4},{:.4},{:.4},{}",
+            row.view,
+            row.scheme,
+            row.triangles,
+            row.cpu_ms,
+            e.largest_px,
+            e.rms_px,
+            e.largest_m,
+            e.rms_m,
+            e.points
         );
     }
     text

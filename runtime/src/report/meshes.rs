@@ -9,7 +9,7 @@ use super::cameras::{Shot, shots};
 use super::mesh_error::{MeshError, measure};
 use super::{Options, ReportError};
 use crate::cpu::Cpu;
-use crate::frame::{Renderer as _, RenderError, Scheme, Settings};
+use crate::frame::{RenderError, Renderer as _, Scheme};
 use crate::planet::Planet;
 use crate::view::{Sun, View};
 
@@ -31,8 +31,6 @@ pub struct MeshRow {
     pub threshold_px: Option<f32>,
     /// Triangles.
     pub triangles: usize,
-    /// Passes over the lists.
-    pub passes: u32,
     /// Milliseconds on the CPU backend, all cores.
     pub cpu_ms: f64,
     /// Against S_0.
@@ -74,28 +72,23 @@ fn row(
     let sun = if planet.grid().plane { Sun::at(0.0, 45.0) } else { Sun::over(0.0, 0.0) };
     let mut view = View::new(shot.camera, options.size, sun.map_err(RenderError::from)?);
     view.pixel_error = threshold_px.unwrap_or(view.pixel_error);
-    let settings = Settings { scheme, ..Settings::default() };
-    let mut mesh = cpu.mesh(&view, &settings).map_err(RenderError::from)?;
-    while cpu.resident_mut().ask_seen() > 0 {
-        if cpu.update(Duration::from_secs(60)).loaded == 0 {
-            break;
-        }
-        mesh = cpu.mesh(&view, &settings).map_err(RenderError::from)?;
+    let mut triangles = cpu.mesh(&view, scheme)?;
+    while cpu.update(Duration::from_secs(60)).loaded > 0 {
+        triangles = cpu.mesh(&view, scheme)?;
     }
     let mut times_ms = Vec::new();
     for _ in 0..RUNS {
         let begin = Instant::now();
-        mesh = cpu.mesh(&view, &settings).map_err(RenderError::from)?;
+        triangles = cpu.mesh(&view, scheme)?;
         times_ms.push(begin.elapsed().as_secs_f64() * 1e3);
     }
     times_ms.sort_by(f64::total_cmp);
-    let error = measure(planet, surface, &view, &mesh.triangles, options.points).map_err(RenderError::from)?;
+    let error = measure(planet, surface, &view, &triangles, options.points).map_err(RenderError::from)?;
     Ok(MeshRow {
         view: shot.name,
         scheme: name,
         threshold_px,
-        triangles: mesh.triangles.len(),
-        passes: mesh.stats.passes,
+        triangles: triangles.len(),
         cpu_ms: times_ms[RUNS / 2],
         error,
     })

@@ -5,8 +5,8 @@ use relief_shaders::planet::Planet;
 use relief_shaders::shadow::dense::Dense;
 use relief_shaders::shadow::{Counts, Sunlight, shadow_exact};
 
-use relief_shaders::oracle::World;
 use crate::worlds::{dense, planet};
+use relief_shaders::oracle::World;
 
 /// Start in fixed point, and the sun (east, north, up).
 pub type Cast = (u32, u32, [f32; 3]);

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use relief_shaders::shadow::sweep::{PlaneNodes, sweep_mask};
 
 use crate::compare::{Random, sun};
-use relief_shaders::oracle::World;
 use crate::worlds::{fractal_plane, world};
+use relief_shaders::oracle::World;
 
 fn nodes(world: &World) -> PlaneNodes<'_, f32> {
     PlaneNodes {
