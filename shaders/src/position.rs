@@ -31,10 +31,18 @@ pub fn camera_relative_m(planet: &Planet, view: &View, s: u32, t: u32, height_m:
     let dn = planet.a_m * planet.e2 * d_sin * (sin1 + sin0) / (view.w0 * w1 * (view.w0 + w1));
     let h0 = view.camera_h_hi_m;
     let rho = (view.n0_m + h0 + dn + dh) * cos1;
-    let [sin_dl, cos_dl] = half_angle(ds);
+    let [sin_l, cos_l] = sin_cos(ds as u32);
+    // A pole has any longitude and one position.
+    let x = if ds.unsigned_abs() <= 1 << 30 || cos1 == 0.0 {
+        let [sin_dl, _] = half_angle(ds);
+        (dn + dh) * cos1 + (view.n0_m + h0) * d_cos - 2.0 * rho * sin_dl * sin_dl
+    } else {
+        // On the other side of the axis nothing cancels.
+        rho * cos_l - (view.n0_m + h0 + view.camera_h_lo_m) * view.cos_lat
+    };
     [
-        (dn + dh) * cos1 + (view.n0_m + h0) * d_cos - 2.0 * rho * sin_dl * sin_dl,
-        2.0 * rho * sin_dl * cos_dl,
+        x,
+        rho * sin_l,
         ((1.0 - planet.e2) * dn + dh) * sin1 + ((1.0 - planet.e2) * view.n0_m + h0) * d_sin,
     ]
 }

@@ -25,10 +25,18 @@ fn camera_relative_m(view: View, s: u32, t: u32, height_m: f32) -> vec3<f32> {
     let dn = planet.a_m * planet.e2 * d_sin * (lat1.x + sin0) / (view.w0 * w1 * (view.w0 + w1));
     let h0 = view.camera_h_hi_m;
     let rho = (view.n0_m + h0 + dn + dh) * lat1.y;
+    let l = sin_cos(bitcast<u32>(ds));
     let dl = half_angle(ds);
-    return vec3(
+    // Beyond 90 degrees, on the other side of the axis, nothing cancels. A pole has any longitude
+    // and one position.
+    let x = select(
+        rho * l.y - (view.n0_m + h0 + view.camera_h_lo_m) * view.cos_lat,
         (dn + dh) * lat1.y + (view.n0_m + h0) * d_cos - 2.0 * rho * dl.x * dl.x,
-        2.0 * rho * dl.x * dl.y,
+        (ds >= -0x40000000 && ds <= 0x40000000) || lat1.y == 0.0,
+    );
+    return vec3(
+        x,
+        rho * l.x,
         ((1.0 - planet.e2) * dn + dh) * lat1.x + ((1.0 - planet.e2) * view.n0_m + h0) * d_sin,
     );
 }
