@@ -8,12 +8,21 @@ fn half_angle(units: i32) -> vec2<f32> {
     return sin_cos(bitcast<u32>(units >> 1u));
 }
 
+fn difference(a: u32, b: u32) -> f32 {
+    if a >= b {
+        return f32(a - b);
+    }
+    return -f32(b - a);
+}
+
 fn camera_relative_m(view: View, s: u32, t: u32, height_m: f32) -> vec3<f32> {
     let dh = (height_m - view.camera_h_hi_m) - view.camera_h_lo_m;
     let ds = bitcast<i32>(s - view.camera_s);
     let dt = bitcast<i32>(t - view.camera_t);
     if planet.plane != 0u {
-        return vec3(f32(ds) * planet.unit_x_m, f32(dt) * planet.unit_y_m, dh);
+        let east = difference(s, view.camera_s);
+        let north = difference(t, view.camera_t);
+        return vec3(east * planet.unit_x_m, north * planet.unit_y_m, dh);
     }
     let sin0 = view.sin_lat;
     let lat1 = sin_cos_lat(t);
