@@ -42,7 +42,7 @@ fn check(planet: &TestPlanet, pages: &PageSet, what: &str, camera: Camera, compl
         panic!("{what}: {why}");
     }
     let position = position_error(&scene).unwrap_or_else(|why| panic!("{what}: {why}"));
-    assert!(position < 8e-7, "{what}: a position is off by {position:e} of its distance; {camera:?}");
+    assert!(position < 5e-7, "{what}: a position is off by {position:e} of its distance; {camera:?}");
     let worst = bounded(&scene, 1600, 7).unwrap_or_else(|why| panic!("{what}: {why}"));
     if complete {
         assert!(worst.excess_px <= 0.0, "{what}: {worst:?} {camera:?}");
