@@ -243,7 +243,8 @@ impl<S: Store> Resident<S> {
         if self.unavailable.contains_key(&key) {
             return false;
         }
-        match self.planet.relief().find(key) {
+        let relief = self.planet.relief();
+        match relief.check_whole().and_then(|()| relief.find(key)) {
             // A tile is decoded from its parent.
             Ok(Some(_)) => key.level >= self.planet.grid().root_level() || self.available(key.parent()),
             Ok(None) => {

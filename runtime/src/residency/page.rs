@@ -37,6 +37,7 @@ impl Decoder {
 
     /// The page of a tile that the file has.
     pub fn page(&self, key: TileKey) -> Result<Page, FormatError> {
+        self.planet.relief().check_whole()?;
         let step_m = self.planet.relief().step_m() as f32;
         let metres = |q: i32| q as f32 * step_m;
         let nodes = self.planet.tiles().nodes(key)?;

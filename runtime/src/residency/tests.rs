@@ -137,6 +137,23 @@ fn a_damaged_tile_is_an_error_for_itself_only() {
 }
 
 #[test]
+fn a_file_that_is_cut_while_it_is_open_is_an_error_for_what_is_read_later() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cut.relief");
+    Sample::new(Body::earth(), 11).write(&path);
+    let planet = Planet::new(Relief::open(&path).unwrap(), 0).unwrap();
+    let mut resident = resident(&planet, 200);
+    assert_eq!(load(&mut resident, &[TileKey::new(0, 2, 0)]).missing, 0);
+    std::fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(5000).unwrap();
+    let late = TileKey::new(0, 14, 6);
+    assert_eq!(load(&mut resident, &[late, TileKey::new(0, 2, 0)]).missing, 0);
+    let held = held(&resident);
+    assert!(held.contains(&TileKey::new(0, 2, 0)) && !held.contains(&late));
+    let (_, error) = resident.damaged().find(|(key, _)| *key == late).unwrap();
+    assert!(error.to_string().contains("cut to 5000"), "{error}");
+}
+
+#[test]
 fn a_damaged_root_is_refused_at_once() {
     let planet = write(&Sample::new(Body::earth(), 9), damage(TileKey::new(1, 1, 0), Plane::Nodes));
     let error = Resident::new(Arc::clone(&planet), small(64), Ram::new(small(64))).err();
