@@ -5,8 +5,11 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 mod compare;
+mod gpu;
 mod hard;
 mod oracle;
+mod page_set;
+mod paged;
 mod plane;
 mod worlds;
 
