@@ -6,6 +6,7 @@
 mod clip;
 pub mod ground;
 pub mod raster;
+pub mod sea;
 pub mod shade;
 pub mod style;
 pub mod uniform;
