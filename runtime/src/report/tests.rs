@@ -37,7 +37,9 @@ fn a_globe_is_measured_and_the_page_holds_what_was_found() {
     let out = folder.path().join("report");
     write(&report, &out, false).unwrap();
     let page = std::fs::read_to_string(out.join("index.html")).unwrap();
-    assert!(page.contains("p.relief") && page.contains("<svg") && !page.contains("=\"http://cdn") && !page.contains("src="));
+    assert!(
+        page.contains("p.relief") && page.contains("<svg") && !page.contains("=\"http://cdn") && !page.contains("src=")
+    );
     assert_eq!(std::fs::read_to_string(out.join("meshes.csv")).unwrap().lines().count(), 21);
     assert!(write(&report, &out, false).is_err(), "nothing is replaced unasked");
 }

@@ -138,7 +138,7 @@ fn windows_are_cut_from_the_whole() {
     let (width, height, _, whole) = png(&folder.path("whole.png"));
     assert_eq!((width, height), (512, 257));
     let (part_width, part_height, _, part) = png(&folder.path("part.png"));
-    let first = ((170.0 + 180.0) / step as f64).ceil() as usize;
+    let first = ((170.0 + 180.0) / step).ceil() as usize;
     let south = ((-20.0f64 + 90.0) / step).ceil() as usize;
     assert_eq!((part_width, part_height), (57, 71));
     for (k, &lit) in part.iter().enumerate() {
