@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for elevation_deg in [2.0f64, 5.0, 10.0, 20.0] {
         let ((sa, ca), (se, ce)) = (135f64.to_radians().sin_cos(), elevation_deg.to_radians().sin_cos());
         let sun = [ce * sa, ce * ca, se].map(|v| v as f32);
-        let seconds = timed(|| {
+        let seconds = timed(9, || {
             std::hint::black_box(sweep_mask::<false, i16>(&nodes, sun));
         });
         let (mask, counts) = sweep_mask::<true, i16>(&nodes, sun);
@@ -71,7 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             share(dark as u64),
         );
         let mut single = (vec![0u8; columns * rows], Counts64::default());
-        let seconds = timed(|| single = cast_all(&planet, &dense, sun));
+        let seconds = timed(1, || single = cast_all(&planet, &dense, sun));
         let (lit, counts) = single;
         let differ = lit.iter().zip(&mask).filter(|(a, b)| a != b).count();
         let dark = lit.iter().filter(|&&v| v == 0).count();
@@ -113,19 +113,18 @@ fn cast_all(planet: &Planet, dense: &Dense, sun: [f32; 3]) -> (Vec<u8>, Counts64
 }
 
 /// Seconds of one run: wall, and of a processor.
-fn timed(mut work: impl FnMut()) -> [f64; 2] {
-    const RUNS: u32 = 5;
+fn timed(runs: usize, mut work: impl FnMut()) -> [f64; 2] {
     let cpu = cpu_seconds();
-    let mut walls: Vec<f64> = (0..RUNS)
+    let mut walls: Vec<f64> = (0..runs)
         .map(|_| {
             let begin = Instant::now();
             work();
             begin.elapsed().as_secs_f64()
         })
         .collect();
-    let cpu = (cpu_seconds() - cpu) / f64::from(RUNS);
+    let cpu = (cpu_seconds() - cpu) / runs as f64;
     walls.sort_by(f64::total_cmp);
-    [walls[RUNS as usize / 2], cpu]
+    [walls[runs / 2], cpu]
 }
 
 /// Processor time of this process, in hundredths of a second; 0 where the system does not tell.

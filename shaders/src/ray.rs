@@ -67,7 +67,7 @@ pub struct Parallel {
     pub sin: f32,
     /// Cosine of the parallel's latitude; 1 on a plane.
     pub cos: f32,
-    /// Sum of the two factors of which `north_m` is the difference, at the start, metres.
+    /// Sum of the two factors of which `north_m` is the ray_difference, at the start, metres.
     pub sum_m: f32,
     /// e2 (N1 sin psi1 - N0 sin psi0), metres.
     pub shift_m: f32,
@@ -75,7 +75,7 @@ pub struct Parallel {
 
 /// The angle of (x, y) in units, within 2e-7 rad; 0 for the origin.
 #[must_use]
-pub fn heading(x: f32, y: f32) -> u32 {
+pub fn ray_heading(x: f32, y: f32) -> u32 {
     let [ax, ay] = [x.abs(), y.abs()];
     let long = ax.max(ay);
     if long == 0.0 {
@@ -114,7 +114,7 @@ pub fn ray_from(planet: &Planet, s: u32, t: u32, height_m: f32, direction: [f32;
     }
     [ray.sin_lat, ray.cos_lat] = sin_cos_lat(t);
     if ray.cos_lat == 0.0 {
-        ray.s = s.wrapping_add(heading(-north * ray.sin_lat, east));
+        ray.s = s.wrapping_add(ray_heading(-north * ray.sin_lat, east));
         ray.east = 0.0;
         ray.north = -ray.sin_lat * (east * east + north * north).sqrt();
     }
@@ -162,7 +162,7 @@ pub fn ray_rise_m(planet: &Planet, ray: &Ray, at_m: f32) -> f32 {
         let radius = ((r0 + up_m) * (r0 + up_m) + along_m * along_m).sqrt();
         let [sin, cos] = [along_m / radius, (r0 + up_m) / radius];
         let d_sin = ray.cos_lat * sin - ray.sin_lat * sin * sin / (1.0 + cos);
-        let [dn, shift] = normal_shift_m(planet, ray, ray.sin_lat + d_sin, d_sin);
+        let [dn, shift] = ray_normal_shift_m(planet, ray, ray.sin_lat + d_sin, d_sin);
         d_n = dn;
         up_m = x + ray.sin_lat * shift;
         along_m = n + ray.cos_lat * shift;
@@ -174,7 +174,7 @@ pub fn ray_rise_m(planet: &Planet, ray: &Ray, at_m: f32) -> f32 {
 /// (N1 - N0, e2 (N1 sin psi1 - N0 sin psi0)), metres, for a latitude by its sine and the
 /// difference of the sines.
 #[must_use]
-pub fn normal_shift_m(planet: &Planet, ray: &Ray, sin1: f32, d_sin: f32) -> [f32; 2] {
+pub fn ray_normal_shift_m(planet: &Planet, ray: &Ray, sin1: f32, d_sin: f32) -> [f32; 2] {
     let w1 = (1.0 - planet.e2 * sin1 * sin1).sqrt();
     let d_n = planet.a_m * planet.e2 * d_sin * (sin1 + ray.sin_lat) / (ray.w0 * w1 * (ray.w0 + w1));
     [d_n, planet.e2 * ((ray.n0_m + d_n) * d_sin + d_n * ray.sin_lat)]
@@ -182,15 +182,15 @@ pub fn normal_shift_m(planet: &Planet, ray: &Ray, sin1: f32, d_sin: f32) -> [f32
 
 /// a - b of coordinates that do not wrap.
 #[must_use]
-pub fn difference(a: u32, b: u32) -> f32 {
+pub fn ray_difference(a: u32, b: u32) -> f32 {
     if a >= b { (a - b) as f32 } else { -((b - a) as f32) }
 }
 
 /// The meridian S.
 #[must_use]
-pub fn meridian(planet: &Planet, ray: &Ray, s: u32) -> Meridian {
+pub fn ray_meridian(planet: &Planet, ray: &Ray, s: u32) -> Meridian {
     if planet.plane != 0 {
-        return Meridian { offset_m: difference(s, ray.s) * planet.unit_x_m, rate: ray.east };
+        return Meridian { offset_m: ray_difference(s, ray.s) * planet.unit_x_m, rate: ray.east };
     }
     let [sin, cos] = sin_cos(s.wrapping_sub(ray.s));
     Meridian { offset_m: ray.rho0_m * sin, rate: ray.east * cos - ray.out * sin }
@@ -198,21 +198,28 @@ pub fn meridian(planet: &Planet, ray: &Ray, s: u32) -> Meridian {
 
 /// Metres that a point of the ray lies east of a meridian's plane.
 #[must_use]
-pub fn east_of_m(meridian: Meridian, at_m: f32) -> f32 {
+pub fn ray_east_of_m(meridian: Meridian, at_m: f32) -> f32 {
     meridian.rate * at_m - meridian.offset_m
 }
 
 /// Distance at which the ray crosses a meridian ahead, metres; [`FAR`] if it never does.
 #[must_use]
-pub fn meridian_at_m(ray: &Ray, meridian: Meridian) -> f32 {
+pub fn ray_meridian_at_m(ray: &Ray, meridian: Meridian) -> f32 {
     let sign = if ray.east > 0.0 { 1.0 } else { -1.0 };
-    if meridian.offset_m * sign > 0.0 && meridian.rate * sign > 0.0 { meridian.offset_m / meridian.rate } else { FAR }
+    ray_line_at_m(sign * meridian.offset_m, sign * meridian.rate)
+}
+
+/// Distance at which something `ahead_m` metres ahead is reached at a rate; [`FAR`] if it is not
+/// ahead or never reached.
+#[must_use]
+pub fn ray_line_at_m(ahead_m: f32, rate: f32) -> f32 {
+    if ahead_m > 0.0 && rate > 0.0 && ahead_m < FAR * rate { ahead_m / rate } else { FAR }
 }
 
 /// The parallel T, within 90 degrees of the start.
 #[must_use]
-pub fn parallel(planet: &Planet, ray: &Ray, t: u32) -> Parallel {
-    let dt = difference(t, ray.t);
+pub fn ray_parallel(planet: &Planet, ray: &Ray, t: u32) -> Parallel {
+    let dt = ray_difference(t, ray.t);
     if planet.plane != 0 {
         return Parallel {
             north_m: -dt * planet.unit_y_m,
@@ -227,7 +234,7 @@ pub fn parallel(planet: &Planet, ray: &Ray, t: u32) -> Parallel {
     let [half_sin, half_cos] = sin_cos_small(0.5 * UNIT_RAD * dt);
     let [sin_d, one_less_cos] = [2.0 * half_sin * half_cos, 2.0 * half_sin * half_sin];
     let d_sin = sin_d * ray.cos_lat - ray.sin_lat * one_less_cos;
-    let [_, shift_m] = normal_shift_m(planet, ray, sin1, d_sin);
+    let [_, shift_m] = ray_normal_shift_m(planet, ray, sin1, d_sin);
     Parallel {
         north_m: cos1 * shift_m - ray.r0_m * sin_d,
         rate: ray.north - ray.north * one_less_cos - ray.up * sin_d,
@@ -240,7 +247,7 @@ pub fn parallel(planet: &Planet, ray: &Ray, t: u32) -> Parallel {
 
 /// Metres that a point of the ray with the given bend lies north of a parallel's cone.
 #[must_use]
-pub fn north_of_m(parallel: Parallel, at_m: f32, bend_m: f32) -> f32 {
+pub fn ray_north_of_m(parallel: Parallel, at_m: f32, bend_m: f32) -> f32 {
     parallel.north_m + parallel.rate * at_m - parallel.sin * bend_m
 }
 
@@ -248,10 +255,10 @@ pub fn north_of_m(parallel: Parallel, at_m: f32, bend_m: f32) -> f32 {
 /// never does. The cone's quadratic A t^2 + 2 B t + C, with B^2 - A C = sin^2 (a sum of squares
 /// and products that do not cancel) and the branch chosen by the sense of the crossing.
 #[must_use]
-pub fn parallel_at_m(planet: &Planet, ray: &Ray, p: Parallel, northward: bool) -> f32 {
+pub fn ray_parallel_at_m(planet: &Planet, ray: &Ray, p: Parallel, northward: bool) -> f32 {
     let sign = if northward { 1.0 } else { -1.0 };
     if planet.plane != 0 {
-        return if p.north_m * sign < 0.0 && p.rate * sign > 0.0 { -p.north_m / p.rate } else { FAR };
+        return ray_line_at_m(-sign * p.north_m, sign * p.rate);
     }
     let q = p.cos * (ray.r0_m * ray.north - ray.out * p.shift_m);
     let c = p.north_m * p.sum_m;
@@ -261,8 +268,21 @@ pub fn parallel_at_m(planet: &Planet, ray: &Ray, p: Parallel, northward: bool) -
     }
     let root = sign * p.sin * d.sqrt();
     let b = 0.5 * (p.sum_m * p.rate + p.north_m * (p.cos * ray.axial + p.sin * ray.out));
-    let at_m = if b * root >= 0.0 { -c / (b + root) } else { (root - b) / ((ray.axial - p.sin) * (ray.axial + p.sin)) };
+    // Of the two forms the one that adds.
+    let [over, under] =
+        if b * root >= 0.0 { [-c, b + root] } else { [root - b, (ray.axial - p.sin) * (ray.axial + p.sin)] };
+    if over.abs() >= FAR * under.abs() {
+        return FAR;
+    }
+    let at_m = over / under;
     // The other half of the double cone has the latitude's sign reversed.
     let z = ray.r0_m * ray.sin_lat + p.shift_m + at_m * ray.axial;
-    if at_m > 0.0 && at_m < FAR && z * p.sin >= 0.0 { at_m } else { FAR }
+    if at_m > 0.0 && z * p.sin >= 0.0 { at_m } else { FAR }
+}
+
+/// Whether the ray moves north at a distance. A straight line's latitude turns once at most.
+#[must_use]
+pub fn ray_moves_north(ray: &Ray, at_m: f32) -> bool {
+    let rate = ray.turn_m + ray.turn * at_m;
+    if rate == 0.0 { ray.turn > 0.0 } else { rate > 0.0 }
 }

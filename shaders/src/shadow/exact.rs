@@ -5,11 +5,11 @@
 //! bilinear patch is solved. After a skip the level goes up by one.
 
 use super::Counts;
-use super::patch::{patch_from, patch_slope};
-use super::square::{Square, first_m, first_square, square_child, square_columns, square_exit};
+use super::cell::{cell_patch, cell_slope};
+use super::square::{shadow_near_m, square_beside, square_child, square_exit, square_first, square_parent};
 use super::sun::{disk_slopes, visible_part};
 use crate::planet::Planet;
-use crate::ray::{FAR, Ray, ray_from, ray_rise_m};
+use crate::ray::{FAR, Ray, ray_from, ray_line_at_m, ray_rise_m};
 
 /// Squares after which a ray counts as lit. Only a ray past a pole at the finest levels, through
 /// slivers of a millimetre, comes near.
@@ -65,10 +65,10 @@ pub fn shadow_trace<R: Relief>(
     counts: &mut Counts,
 ) -> f32 {
     let top = planet.root_level + 1;
-    let near_m = first_m(planet, level);
+    let near_m = shadow_near_m(planet, level);
     let high_m = planet.max_m - ray.height_m;
-    let end_m = end_of_ray_m(planet, ray, high_m, least);
-    let Some(mut square) = first_square(planet, ray, level) else { return least };
+    let end_m = ray_end_m(planet, ray, high_m, least);
+    let Some(mut square) = square_first(planet, ray, level) else { return least };
     let mut leaf = true;
     let mut first = true;
     let mut over_pole = false;
@@ -85,14 +85,14 @@ pub fn shadow_trace<R: Relief>(
         let out_rise_m = ray_rise_m(planet, ray, exit.at_m);
         if leaf {
             let Some(corners_m) = relief.corners_m(square.level, square.x, square.y) else {
-                square = parent(square);
+                square = square_parent(square);
                 leaf = first;
                 continue;
             };
             counts.heights += 4;
             if exit.at_m >= near_m {
-                let patch = patch_from(planet, ray, square, corners_m, first);
-                slope = patch_slope(planet, ray, &patch, at_m.max(near_m), exit.at_m, slope);
+                let patch = cell_patch(planet, ray, square, corners_m, first);
+                slope = cell_slope(planet, ray, &patch, at_m.max(near_m), exit.at_m, slope);
                 if slope > most {
                     return slope;
                 }
@@ -105,7 +105,7 @@ pub fn shadow_trace<R: Relief>(
             };
             counts.extremes += 1;
             let [above_m, below_m] = [max_m - ray.height_m, min_m - ray.height_m];
-            if above_m > lowest_m(planet, ray, [at_m, exit.at_m], [rise_m, out_rise_m], slope) {
+            if above_m > ray_lowest_m(planet, ray, [at_m, exit.at_m], [rise_m, out_rise_m], slope) {
                 if below_m > out_rise_m + most * exit.at_m || (below_m > rise_m + most * at_m && at_m >= near_m) {
                     return FAR;
                 }
@@ -115,53 +115,33 @@ pub fn shadow_trace<R: Relief>(
             }
         }
         // Above all relief and rising.
-        if out_rise_m + slope * exit.at_m >= high_m && exit.at_m >= lowest_at_m(ray, slope) {
+        if out_rise_m + slope * exit.at_m >= high_m && exit.at_m >= ray_lowest_at_m(ray, slope) {
             break;
         }
         at_m = exit.at_m;
         rise_m = out_rise_m;
-        let Some(next) = neighbour(planet, square, exit.dx, exit.dy, &mut over_pole) else { break };
+        let Some(next) = square_beside(planet, square, exit.dx, exit.dy) else { break };
+        over_pole |= exit.dy != 0 && next.y == square.y;
         let inside = next.x >> 1 == square.x >> 1 && next.y >> 1 == square.y >> 1;
         if inside || next.level == top {
             square = next;
         } else {
-            square = parent(next);
+            square = square_parent(next);
             leaf = false;
         }
     }
     slope
 }
 
-fn parent(square: Square) -> Square {
-    Square { level: square.level + 1, x: square.x >> 1, y: square.y >> 1 }
-}
-
-/// The square beside; over a pole half a turn on. None off a plane.
-fn neighbour(planet: &Planet, square: Square, dx: i32, dy: i32, over_pole: &mut bool) -> Option<Square> {
-    let columns = square_columns(planet, square.level);
-    let rows = 1 << (planet.m - square.level);
-    let mut x = square.x.wrapping_add_signed(dx);
-    let mut y = square.y.wrapping_add_signed(dy);
-    if planet.plane != 0 {
-        return (x < columns && y < rows).then_some(Square { x, y, ..square });
-    }
-    if y >= rows {
-        y = square.y;
-        x ^= columns >> 1;
-        *over_pole = true;
-    }
-    Some(Square { x: x & (columns - 1), y, ..square })
-}
-
 /// Distance at which the ray, raised by a slope, is lowest; metres.
-fn lowest_at_m(ray: &Ray, slope: f32) -> f32 {
+fn ray_lowest_at_m(ray: &Ray, slope: f32) -> f32 {
     -ray.r0_m * (ray.up + slope)
 }
 
 /// Least rise of the ray, raised by a slope, between two distances at which its rises are known:
 /// it falls until it is lowest, then climbs.
-fn lowest_m(planet: &Planet, ray: &Ray, at_m: [f32; 2], rise_m: [f32; 2], slope: f32) -> f32 {
-    let low_at_m = lowest_at_m(ray, slope);
+fn ray_lowest_m(planet: &Planet, ray: &Ray, at_m: [f32; 2], rise_m: [f32; 2], slope: f32) -> f32 {
+    let low_at_m = ray_lowest_at_m(ray, slope);
     if at_m[0] >= low_at_m {
         rise_m[0] + slope * at_m[0]
     } else if at_m[1] <= low_at_m {
@@ -172,12 +152,12 @@ fn lowest_m(planet: &Planet, ray: &Ray, at_m: [f32; 2], rise_m: [f32; 2], slope:
 }
 
 /// A distance beyond which the ray, raised by a slope, is above all relief.
-fn end_of_ray_m(planet: &Planet, ray: &Ray, high_m: f32, slope: f32) -> f32 {
+fn ray_end_m(planet: &Planet, ray: &Ray, high_m: f32, slope: f32) -> f32 {
     let up = ray.up + slope;
     // A little more than needed: the radius of curvature is not the same everywhere.
     let climb_m = 1.05 * high_m.max(0.0) + 1.0;
     if planet.plane != 0 {
-        return if up > 0.0 { climb_m / up } else { FAR };
+        return ray_line_at_m(climb_m, up);
     }
     let fall_m = -ray.r0_m * up;
     let root_m = (fall_m * fall_m + (2.0 * ray.r0_m + climb_m) * climb_m).sqrt();

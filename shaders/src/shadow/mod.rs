@@ -4,14 +4,18 @@
 //! `wgsl/lib/shadow.wgsl`; `sweep` shades all nodes of a plane at once; `paper` is the paper's own
 //! kernel. `dense` holds a whole level in RAM.
 
+pub mod cell;
 pub mod dense;
 pub mod exact;
-pub mod patch;
+pub mod mask;
+pub mod pages;
 pub mod square;
 pub mod sun;
 pub mod sweep;
 
 pub use exact::{Relief, Sunlight, shadow_exact};
+pub use mask::{ShadowWindow, WindowCounts, shadow_mask, shadow_mask_of};
+pub use pages::PagedRelief;
 
 /// What a ray fetched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,7 +3,8 @@
 
 use crate::planet::Planet;
 use crate::ray::{
-    FAR, Ray, difference, east_of_m, meridian, meridian_at_m, north_of_m, parallel, parallel_at_m, ray_bend_m,
+    FAR, Ray, ray_bend_m, ray_difference, ray_east_of_m, ray_meridian, ray_meridian_at_m, ray_moves_north,
+    ray_north_of_m, ray_parallel, ray_parallel_at_m,
 };
 
 /// 2^level x 2^level cells of level 0.
@@ -43,9 +44,9 @@ pub fn square_columns(planet: &Planet, level: u32) -> u32 {
 /// The square of a level that a ray enters first; on a border the one ahead. None for a ray that
 /// leaves a plane at once.
 #[must_use]
-pub fn first_square(planet: &Planet, ray: &Ray, level: u32) -> Option<Square> {
+pub fn square_first(planet: &Planet, ray: &Ray, level: u32) -> Option<Square> {
     let shift = square_shift(planet, level);
-    let [west, south] = [ray.east < 0.0, !moves_north(ray, 0.0)];
+    let [west, south] = [ray.east < 0.0, !ray_moves_north(ray, 0.0)];
     let [columns, rows] = [square_columns(planet, level), 1 << (planet.m - level)];
     if planet.plane != 0 {
         let off_x = if west { ray.s == 0 } else { ray.east > 0.0 && ray.s >> shift == columns };
@@ -59,13 +60,6 @@ pub fn first_square(planet: &Planet, ray: &Ray, level: u32) -> Option<Square> {
     Some(Square { level, x: x.min(columns - 1), y: y.min(rows - 1) })
 }
 
-/// Whether the ray moves north at a distance. A straight line's latitude turns once at most.
-#[must_use]
-pub fn moves_north(ray: &Ray, at_m: f32) -> bool {
-    let rate = ray.turn_m + ray.turn * at_m;
-    if rate == 0.0 { ray.turn > 0.0 } else { rate > 0.0 }
-}
-
 /// The way out of a square for a ray that entered it at a distance. `over_pole`: it has passed
 /// over a pole.
 #[must_use]
@@ -74,16 +68,18 @@ pub fn square_exit(planet: &Planet, ray: &Ray, square: Square, at_m: f32, over_p
     let mut x_at_m = FAR;
     if ray.east != 0.0 {
         let border = square.x + u32::from(ray.east > 0.0);
-        x_at_m = meridian_at_m(ray, meridian(planet, ray, border << shift)).max(at_m);
+        x_at_m = ray_meridian_at_m(ray, ray_meridian(planet, ray, border << shift)).max(at_m);
     }
     // The turn is behind once the pole is.
-    let north = if over_pole { ray.turn > 0.0 } else { moves_north(ray, at_m) };
+    let north = if over_pole { ray.turn > 0.0 } else { ray_moves_north(ray, at_m) };
     let [south_t, north_t] = [square.y << shift, (square.y + 1) << shift];
     let mut ahead = north;
-    let mut y_at_m = parallel_at_m(planet, ray, parallel(planet, ray, if north { north_t } else { south_t }), north);
+    let mut y_at_m =
+        ray_parallel_at_m(planet, ray, ray_parallel(planet, ray, if north { north_t } else { south_t }), north);
     if y_at_m == FAR && ray.turn != 0.0 && north != (ray.turn > 0.0) {
         ahead = !north;
-        y_at_m = parallel_at_m(planet, ray, parallel(planet, ray, if north { south_t } else { north_t }), !north);
+        y_at_m =
+            ray_parallel_at_m(planet, ray, ray_parallel(planet, ray, if north { south_t } else { north_t }), !north);
     }
     y_at_m = y_at_m.max(at_m);
     let dx = if ray.east > 0.0 { 1 } else { -1 };
@@ -105,19 +101,39 @@ pub fn square_child(planet: &Planet, ray: &Ray, square: Square, at_m: f32) -> Sq
     let level = square.level - 1;
     let shift = square_shift(planet, level);
     let [x, y] = [2 * square.x, 2 * square.y];
-    let east = east_of_m(meridian(planet, ray, (x + 1) << shift), at_m) >= 0.0;
-    let north = north_of_m(parallel(planet, ray, (y + 1) << shift), at_m, ray_bend_m(planet, ray, at_m)) >= 0.0;
+    let east = ray_east_of_m(ray_meridian(planet, ray, (x + 1) << shift), at_m) >= 0.0;
+    let north = ray_north_of_m(ray_parallel(planet, ray, (y + 1) << shift), at_m, ray_bend_m(planet, ray, at_m)) >= 0.0;
     Square { level, x: x + u32::from(east), y: y + u32::from(north) }
 }
 
 /// A hundredth of a cell's side of a level, metres: the relief nearer than this shades nothing.
 #[must_use]
-pub fn first_m(planet: &Planet, level: u32) -> f32 {
-    let units = difference(1 << square_shift(planet, level), 0);
+pub fn shadow_near_m(planet: &Planet, level: u32) -> f32 {
+    let units = ray_difference(1 << square_shift(planet, level), 0);
     let side_m = if planet.plane != 0 {
         units * planet.unit_x_m.min(planet.unit_y_m)
     } else {
         units * crate::angle::UNIT_RAD * planet.a_m
     };
     0.01 * side_m
+}
+
+/// The square of the next coarser level.
+#[must_use]
+pub fn square_parent(square: Square) -> Square {
+    Square { level: square.level + 1, x: square.x >> 1, y: square.y >> 1 }
+}
+
+/// The square beside; over a pole the one in the same row half a turn on. None off a plane.
+#[must_use]
+pub fn square_beside(planet: &Planet, square: Square, dx: i32, dy: i32) -> Option<Square> {
+    let columns = square_columns(planet, square.level);
+    let rows = 1 << (planet.m - square.level);
+    let x = square.x.wrapping_add_signed(dx);
+    let y = square.y.wrapping_add_signed(dy);
+    if planet.plane != 0 {
+        return (x < columns && y < rows).then_some(Square { level: square.level, x, y });
+    }
+    let turn = if y < rows { 0 } else { columns >> 1 };
+    Some(Square { level: square.level, x: (x ^ turn) & (columns - 1), y: if y < rows { y } else { square.y } })
 }

@@ -2,11 +2,13 @@
 
 use super::square::{Square, square_shift};
 use crate::planet::Planet;
-use crate::ray::{Meridian, Parallel, Ray, east_of_m, meridian, north_of_m, parallel, ray_bend_m, ray_rise_m};
+use crate::ray::{
+    Meridian, Parallel, Ray, ray_bend_m, ray_east_of_m, ray_meridian, ray_north_of_m, ray_parallel, ray_rise_m,
+};
 
 /// A cell's borders as a ray sees them, and the heights of its nodes.
 #[derive(Clone, Copy, Debug)]
-pub struct Patch {
+pub struct CellPatch {
     west: Meridian,
     east: Meridian,
     south: Parallel,
@@ -19,35 +21,35 @@ pub struct Patch {
 
 /// The patch of a cell with corners in metres. `first`: the ray starts on it.
 #[must_use]
-pub fn patch_from(planet: &Planet, ray: &Ray, cell: Square, corners_m: [f32; 4], first: bool) -> Patch {
+pub fn cell_patch(planet: &Planet, ray: &Ray, cell: Square, corners_m: [f32; 4], first: bool) -> CellPatch {
     let shift = square_shift(planet, cell.level);
-    let mut patch = Patch {
-        west: meridian(planet, ray, cell.x << shift),
-        east: meridian(planet, ray, (cell.x + 1) << shift),
-        south: parallel(planet, ray, cell.y << shift),
-        north: parallel(planet, ray, (cell.y + 1) << shift),
+    let mut patch = CellPatch {
+        west: ray_meridian(planet, ray, cell.x << shift),
+        east: ray_meridian(planet, ray, (cell.x + 1) << shift),
+        south: ray_parallel(planet, ray, cell.y << shift),
+        north: ray_parallel(planet, ray, (cell.y + 1) << shift),
         corners_m: corners_m.map(|m| m - ray.height_m),
         base_m: 0.0,
     };
     if first {
-        patch.base_m = patch_above_m(planet, ray, &patch, 0.0);
+        patch.base_m = cell_above_m(planet, ray, &patch, 0.0);
     }
     patch
 }
 
 /// Metres by which the patch is above the ray at a distance.
 #[must_use]
-pub fn patch_above_m(planet: &Planet, ray: &Ray, patch: &Patch, at_m: f32) -> f32 {
+pub fn cell_above_m(planet: &Planet, ray: &Ray, patch: &CellPatch, at_m: f32) -> f32 {
     let bend_m = ray_bend_m(planet, ray, at_m);
-    let u = share(east_of_m(patch.west, at_m), east_of_m(patch.east, at_m));
-    let v = share(north_of_m(patch.south, at_m, bend_m), north_of_m(patch.north, at_m, bend_m));
+    let u = cell_share(ray_east_of_m(patch.west, at_m), ray_east_of_m(patch.east, at_m));
+    let v = cell_share(ray_north_of_m(patch.south, at_m, bend_m), ray_north_of_m(patch.north, at_m, bend_m));
     let [h00, h10, h01, h11] = patch.corners_m;
     let [south, north] = [h00 + (h10 - h00) * u, h01 + (h11 - h01) * u];
     (south + (north - south) * v - patch.base_m) - ray_rise_m(planet, ray, at_m)
 }
 
 /// Share of the way from one border to the next, from the distances to both.
-fn share(from_m: f32, to_m: f32) -> f32 {
+fn cell_share(from_m: f32, to_m: f32) -> f32 {
     let width_m = from_m - to_m;
     if width_m > 0.0 { (from_m / width_m).clamp(0.0, 1.0) } else { 0.0 }
 }
@@ -58,11 +60,11 @@ fn share(from_m: f32, to_m: f32) -> f32 {
 /// Along the ray the difference is a quadratic: on a plane exactly, on a body but for terms of the
 /// third order within one cell. Its ratio to the distance is raised by Dinkelbach's method.
 #[must_use]
-pub fn patch_slope(planet: &Planet, ray: &Ray, patch: &Patch, from_m: f32, to_m: f32, best: f32) -> f32 {
+pub fn cell_slope(planet: &Planet, ray: &Ray, patch: &CellPatch, from_m: f32, to_m: f32, best: f32) -> f32 {
     let length_m = to_m - from_m;
-    let f0 = patch_above_m(planet, ray, patch, from_m);
-    let f1 = patch_above_m(planet, ray, patch, from_m + 0.5 * length_m);
-    let f2 = patch_above_m(planet, ray, patch, to_m);
+    let f0 = cell_above_m(planet, ray, patch, from_m);
+    let f1 = cell_above_m(planet, ray, patch, from_m + 0.5 * length_m);
+    let f2 = cell_above_m(planet, ray, patch, to_m);
     // f0 + p x + q x^2 for x in 0..=1.
     let p = 4.0 * f1 - 3.0 * f0 - f2;
     let q = 2.0 * (f0 + f2) - 4.0 * f1;
