@@ -78,15 +78,17 @@ impl Renderer for Cpu {
             return Err(ViewError::Size { width, height, limit: Some(1 << 14) }.into());
         }
         let uniform = view.uniform(self.resident.planet())?;
-        let style = Style { overlay: settings.overlay as u32, ..self.style };
+        settings.check()?;
+        let style = settings.style(&self.style);
         let mut clock = Clock(Instant::now());
         let (triangles, mut stats) = self.tessellate(&uniform, settings.scheme);
         stats.pass_ms.push(("tessellate", clock.lap_ms()));
         let places = frame::draw(self.resident.uniform(), &uniform, &triangles);
         stats.pass_ms.push(("draw", clock.lap_ms()));
-        let shaded = frame::shade(&self.resident.pages(), &uniform, &style, &places);
+        let (shaded, fetches) = frame::shade(&self.resident.pages(), &uniform, &style, &places);
         stats.pass_ms.push(("shade", clock.lap_ms()));
         stats.triangles = triangles.len() as u64;
+        stats.fetches = fetches;
         stats.tiles_missing = self.resident.ask_seen();
         stats.tiles_resident = self.resident.count();
         let frame = Frame::new([width, height], shaded, stats);

@@ -149,7 +149,8 @@ impl Gpu {
     ) -> Result<Pending, RenderError> {
         let uniform = view.uniform(self.resident.planet())?;
         Targets::check(&self.device, [view.width, view.height])?;
-        let style = Style { overlay: settings.overlay as u32, ..self.style };
+        settings.check()?;
+        let style = settings.style(&self.style);
         let device = self.device.clone();
         let pending = device.guard(|| {
             self.canvas.set(&device, &self.picture, self.resident.store(), &uniform, &style);
@@ -159,10 +160,16 @@ impl Gpu {
                 self.present.encode(&device, &mut encoder, &self.canvas.view, targets, host);
             }
             let control = Readback::of(&device, &mut encoder, &self.canvas.lists.control);
+            let fetched = Readback::of(&device, &mut encoder, &self.canvas.fetched);
             let seen = self.resident.store().take_seen(&mut encoder);
             let times = self.timestamps.read(&device, &mut encoder);
             device.queue().submit([encoder.finish()]);
-            Pending { control: control.map(), seen: seen.map(), times: times.map(Readback::map) }
+            Pending {
+                control: control.map(),
+                fetched: fetched.map(),
+                seen: seen.map(),
+                times: times.map(Readback::map),
+            }
         })?;
         Ok(pending)
     }
@@ -180,6 +187,7 @@ impl Gpu {
             let buffers = (atlas, lists);
             self.tessellation.encode(&self.device, &mut pass, buffers, (planet, view), (scheme, passes));
         }
+        encoder.clear_buffer(&self.canvas.fetched, 0, None);
         self.picture.draw(encoder, groups, lists, targets, self.timestamps.render(1));
         let mut pass = encoder.begin_compute_pass(&timed(2));
         self.picture.shade(&mut pass, atlas, groups, targets.size);
@@ -198,6 +206,7 @@ impl Gpu {
             overflow: control.overflow != 0 || control.count_in != 0,
             tiles_missing: self.resident.ask_record(&finished.seen),
             tiles_resident: self.resident.count(),
+            fetches: finished.fetches,
             pass_ms: finished.pass_ms,
         };
     }

@@ -31,8 +31,11 @@ impl Picture {
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let planet = kernel::layout_for(device, "planet", stages, [(0, Uniform)]);
         let corners = kernel::layout_for(device, "corners", wgpu::ShaderStages::VERTEX, [(0, Uniform), (1, Read)]);
-        let pixels =
-            kernel::layout(device, "pixels", &[Uniform, Uniform, Integers, Depth, ReadWrite, ReadWrite, ReadWrite]);
+        let pixels = kernel::layout(
+            device,
+            "pixels",
+            &[Uniform, Uniform, Integers, Depth, ReadWrite, ReadWrite, ReadWrite, ReadWrite],
+        );
         let layout = kernel::pipeline_layout(device, &[Some(&Atlas::layout(device)), Some(&pixels)]);
         let module = kernel::module(device, "frame_shade", kernels::FRAME_SHADE);
         let shade = kernel::pipeline(device, &layout, &module, "shade_pixels");
@@ -44,7 +47,7 @@ impl Picture {
         &self,
         device: &Device,
         atlas: &Atlas,
-        [view, style]: [&wgpu::Buffer; 2],
+        [view, style, fetched]: [&wgpu::Buffer; 3],
         lists: &Lists,
         targets: &Targets,
     ) -> Groups {
@@ -64,6 +67,7 @@ impl Picture {
                     whole(&targets.colours),
                     whole(&targets.distances),
                     whole(&targets.normals),
+                    whole(fetched),
                 ],
             ),
         }
