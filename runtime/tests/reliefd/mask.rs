@@ -16,7 +16,7 @@ const fn row(y: usize, rows: usize) -> usize {
 const WALL: u32 = 200;
 const WALL_Q: i32 = 16 * 1000;
 
-fn wall(_: Grid, i: u32, _: u32) -> i32 {
+pub fn wall(_: Grid, i: u32, _: u32) -> i32 {
     if i == WALL { WALL_Q } else { 0 }
 }
 
@@ -172,4 +172,18 @@ fn backends_agree() {
             assert!(differ * 1000 <= mask.len(), "{sun}: {differ} of {} nodes differ", mask.len());
         }
     }
+}
+
+/// Air lifts the sun by half a degree at the horizon: day reaches further.
+#[test]
+fn air_lengthens_the_day() {
+    let folder = Folder::new();
+    let file = folder.sample("ball.relief", &Sample { q: flat, ..Sample::new(Body::earth(), 8) });
+    let lit = |air: &str| {
+        let words = format!("mask FILE --sun 0.2,0 --window=80,-0.1,100,0.1 --backend cpu -o OUT/a.png {air}");
+        reliefd(&words, &file).good();
+        png(&folder.path("a.png")).3.iter().filter(|&&v| v == 255).count()
+    };
+    // Nodes at 80.16 + 0.703 k degrees east: day ends at 90.2 without air and at 90.7 with it.
+    assert_eq!((lit(""), lit("--air 1")), (15, 16));
 }

@@ -47,16 +47,23 @@ enum Kernel {
 }
 
 impl Caster {
-    /// For a level that the file at `path` has.
+    /// For a level that the file at `path` has; `single` where each ray is to be cast on its own,
+    /// as a soft edge or air need it.
     ///
     /// # Errors
     /// A backend that gave up, or a damaged tile.
-    pub fn new(planet: Arc<Planet>, path: &Path, level: u32, backend: &Backend, soft: bool) -> Result<Self, ToolError> {
+    pub fn new(
+        planet: Arc<Planet>,
+        path: &Path,
+        level: u32,
+        backend: &Backend,
+        single: bool,
+    ) -> Result<Self, ToolError> {
         let grid = planet.grid();
         let bytes = 20 * u64::from(grid.width(level)) * u64::from(grid.height(level)) / 3;
         let failed = of_render(path);
         let kernel = match backend {
-            Backend::Cpu if grid.plane && !soft && bytes <= SWEPT_BYTES => {
+            Backend::Cpu if grid.plane && !single && bytes <= SWEPT_BYTES => {
                 let dense = Dense::from_tiles(&planet.uniform(), planet.tiles(), level);
                 return Ok(Self::Sweep(planet, dense.map_err(ToolError::of_file(path))?));
             }
@@ -69,7 +76,8 @@ impl Caster {
         Ok(Self::Rays(Rays { planet, level, kernel }))
     }
 
-    /// The mask of a rectangle of nodes, rows from the north, and what its rays fetched; a sweep
+    /// The mask of a rectangle of nodes under a sun of a radius in degrees and air of a density
+    /// (both 0 for a sweep), rows from the north, and what its rays fetched; a sweep
     /// counts none.
     ///
     /// # Errors
@@ -77,19 +85,19 @@ impl Caster {
     pub fn mask(
         &mut self,
         sun: &Sun,
-        radius_deg: f64,
+        [radius_deg, air]: [f64; 2],
         rectangle: Rectangle,
     ) -> Result<(Vec<u8>, Option<WindowCounts>), ToolError> {
         let sun = sun_of(sun, radius_deg);
         match self {
             Self::Sweep(planet, dense) => Ok((swept(planet, dense, [sun[0], sun[1], sun[2]], rectangle), None)),
-            Self::Rays(rays) => rays.mask(sun, rectangle).map(|(mask, counts)| (mask, Some(counts))),
+            Self::Rays(rays) => rays.mask(sun, air as f32, rectangle).map(|(mask, counts)| (mask, Some(counts))),
         }
     }
 }
 
 impl Rays {
-    fn mask(&mut self, sun: [f32; 4], rectangle: Rectangle) -> Result<(Vec<u8>, WindowCounts), ToolError> {
+    fn mask(&mut self, sun: [f32; 4], air: f32, rectangle: Rectangle) -> Result<(Vec<u8>, WindowCounts), ToolError> {
         let columns = self.planet.grid().width(self.level);
         let stride = rectangle.columns as usize;
         let mut mask = vec![0; stride * rectangle.rows as usize];
@@ -98,6 +106,7 @@ impl Rays {
             for x in (0..rectangle.columns).step_by(PART as usize) {
                 let window = ShadowWindow {
                     sun,
+                    air,
                     x: (rectangle.column + i64::from(x)).rem_euclid(i64::from(columns)) as u32,
                     y: rectangle.row + y,
                     columns: PART.min(rectangle.columns - x),

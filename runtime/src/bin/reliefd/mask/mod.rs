@@ -56,6 +56,9 @@ pub struct Args {
     /// Soft edges: the sun is a disk, not a point
     #[arg(long)]
     soft: bool,
+    /// Density of the air that lifts the sun's light, 1 on Earth at sea level
+    #[arg(long, value_name = "N", default_value_t = 0.0)]
+    air: f32,
     /// Where the kernels run
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendChoice,
@@ -76,12 +79,18 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     let planet = open(&args.file)?;
     let lights = lights(args, &planet)?;
     let (samples, rectangle) = rectangle(args, &planet)?;
+    if !(0.0..=100.0).contains(&args.air) {
+        let what = format!("--air {}", args.air);
+        return Err(ToolError::usage(what, "a density is 0 to 100 times the Earth's", "give --air 1, or leave it out"));
+    }
     let backend = Backend::find(args.backend)?;
-    let mut caster = Caster::new(Arc::clone(&planet), &args.file, args.level, &backend, args.soft)?;
+    // What a sweep over a plane cannot do.
+    let single = args.soft || args.air > 0.0;
+    let mut caster = Caster::new(Arc::clone(&planet), &args.file, args.level, &backend, single)?;
     let radius_deg = if args.soft { SUN_RADIUS_DEG } else { 0.0 };
     for light in &lights {
         let began = Instant::now();
-        let (mask, counts) = caster.mask(&light.sun, radius_deg, rectangle)?;
+        let (mask, counts) = caster.mask(&light.sun, [radius_deg, f64::from(args.air)], rectangle)?;
         let cast = began.elapsed();
         let path = match (&args.times, light.time) {
             (Some(_), Some(time)) => stamped(&args.output, time),
