@@ -12,7 +12,7 @@ use crate::residency::Progress;
 use crate::view::{View, ViewError};
 
 pub use error::RenderError;
-pub use look::style_of;
+pub use look::{sea_of, style_of};
 pub use picture::Frame;
 pub use relief_shaders::frame::{Fetches, Overlay, Shadow};
 pub use relief_shaders::leb::{Corner, ReliefTriangle};

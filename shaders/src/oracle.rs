@@ -190,56 +190,50 @@ impl World {
         let (max_m, columns, rows) = (self.max_m(), self.columns() as i64, self.rows() as i64);
         let plane = self.ellipsoid.is_none();
         let near_m = 0.01 * cell_m;
-        // The cell is that of a point a hair ahead; every border is then crossed in order.
-        let ahead = self.at(&line, 1e-7 * cell_m);
-        let (mut i, mut j) = (ahead.x.floor() as i64, ahead.y.floor() as i64);
+        // The cell is that of a point a hair ahead, nearer than which no border is told apart.
+        let hair_m = 1e-7 * cell_m;
+        let axis_m = -(line.start[0] * line.direction[0] + line.start[1] * line.direction[1])
+            / line.direction[0].hypot(line.direction[1]).powi(2);
         let mut from_m = 0.0;
         let mut best = Margin { angle_rad: -PI, distance_m: near_m };
         loop {
-            if plane && !((0..columns).contains(&i) && (0..rows).contains(&j)) {
+            let ahead = self.at(&line, from_m + hair_m);
+            let off = |v: f64, cells: i64| v < 0.0 || v > cells as f64;
+            if plane && (off(ahead.x, columns) || off(ahead.y, rows)) {
                 return best;
             }
-            j = j.clamp(0, rows - 1);
-            let i_home = i.rem_euclid(columns);
+            // The far edges belong to the map.
+            let (i, j) = ((ahead.x as i64).min(columns - 1), (ahead.y as i64).min(rows - 1));
             let mut to_m = from_m + 0.5 * cell_m;
-            let mut step = (0, 0);
-            if line.eastwards != 0.0 {
-                let east = i64::from(line.eastwards > 0.0);
-                let border_m = self.meridian_m(&line, i_home + east);
-                if border_m < to_m && border_m > from_m - 1e-3 * cell_m {
-                    (to_m, step) = (border_m.max(from_m), (2 * east - 1, 0));
+            let mut meet = |border_m: f64| {
+                if border_m > from_m + hair_m && border_m < to_m {
+                    to_m = border_m;
                 }
+            };
+            if line.eastwards != 0.0 {
+                meet(self.meridian_m(&line, i + i64::from(line.eastwards > 0.0)));
+            }
+            if !plane {
+                // Past a pole the longitude may jump.
+                meet(axis_m);
             }
             let row = |distance_m: f64| self.at(&line, distance_m).y;
             let y = row(to_m);
-            let border = if y > (j + 1) as f64 && j + 1 < rows {
-                Some((j + 1, 1))
-            } else if y < j as f64 && j > 0 || y < 0.0 || (plane && y > rows as f64) {
-                Some(if y < j as f64 { (j, -1) } else { (j + 1, 1) })
-            } else {
-                None
-            };
-            if let Some((border, dj)) = border {
-                let (mut low, mut high) = (from_m, to_m);
-                for _ in 0..48 {
+            if y < j as f64 || y > (j + 1) as f64 {
+                let up = y > j as f64;
+                let border = (j + i64::from(up)) as f64;
+                let (mut low, mut high) = (from_m + hair_m, to_m);
+                while high - low > 1e-2 * hair_m {
                     let middle = 0.5 * (low + high);
-                    if (row(middle) - border as f64) * dj as f64 > 0.0 {
-                        high = middle
-                    } else {
-                        low = middle
-                    }
-                    if high - low < 1e-9 * cell_m {
-                        break;
-                    }
+                    if (row(middle) > border) == up { high = middle } else { low = middle }
                 }
-                (to_m, step) = (high, (0, dj));
+                to_m = high;
             }
             let angle = |distance_m: f64| {
                 let at = self.at(&line, distance_m);
                 // The longitude as seen from this cell.
-                let x =
-                    at.x + ((i_home as f64 + 0.5 - at.x) / columns as f64).round() * columns as f64 * f64::from(!plane);
-                self.angle_rad(&line, distance_m, &at, self.patch_m(i_home, j, x, at.y))
+                let x = at.x + ((i as f64 + 0.5 - at.x) / columns as f64).round() * columns as f64 * f64::from(!plane);
+                self.angle_rad(&line, distance_m, &at, self.patch_m(i, j, x, at.y))
             };
             if to_m > near_m {
                 let (a, b) = (from_m.max(near_m), to_m);
@@ -263,15 +257,6 @@ impl World {
                 }
             }
             from_m = to_m;
-            (i, j) = (i_home + step.0, j + step.1);
-            if step == (0, 0) && !plane {
-                // Over a pole the longitude jumps.
-                let at = self.at(&line, to_m);
-                let here = at.x.floor() as i64;
-                if line.eastwards == 0.0 || (here - i).rem_euclid(columns).min((i - here).rem_euclid(columns)) > 1 {
-                    i = here;
-                }
-            }
         }
     }
 }

@@ -1,5 +1,5 @@
 // Shades the pixels that `frame_draw` stored. Twin: src/frame/shade.rs, shade_pixel.
-// use: shade shade_ground shadow
+// use: shade shade_ground shadow sea
 
 @group(1) @binding(0) var<uniform> view: View;
 @group(1) @binding(2) var places: texture_2d<u32>;
@@ -12,6 +12,9 @@
 @group(1) @binding(6) var<storage, read_write> normals: array<u32>;
 // Rays, heights, extremes and steps; zeroed before.
 @group(1) @binding(7) var<storage, read_write> fetched: array<atomic<u32>, 4>;
+
+// The grid of sea levels, read where the style says so.
+@group(1) @binding(8) var<uniform> sea_m: array<vec4<f32>, 4095>;
 
 var<workgroup> group_fetched: array<atomic<u32>, 4>;
 
@@ -55,7 +58,11 @@ fn shade_ground(place: vec4<u32>, distance_m: f32) -> Shaded {
     let visible = sunlight(here, place.x, place.y, sun);
     let slope = vec2(here.east, here.north);
     let steep = slope * exaggeration(distance_m / view.right.w);
-    var colour = ground_colour(here.height_m, steep, sun, visible);
+    var sea = 0.0;
+    if style.sea == SEA_GRID {
+        sea = sea_level_m(place.x, place.y);
+    }
+    var colour = ground_colour(here.height_m - sea, steep, sun, visible);
     if style.overlay == DETAIL {
         colour = mix(colour, detail_colour(i32(place.z & 255u) - 128), 0.45);
     }

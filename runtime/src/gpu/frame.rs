@@ -17,7 +17,7 @@ use super::readback::{Mapping, Readback};
 use super::targets::Targets;
 use super::tessellate::Tessellation;
 use super::timestamps::Timestamps;
-use crate::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings, Stats, style_of};
+use crate::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings, Stats, sea_of, style_of};
 use crate::planet::Planet;
 use crate::residency::{Progress, Resident};
 use crate::view::View;
@@ -52,12 +52,13 @@ impl Gpu {
     pub fn new(device: &Device, planet: Arc<Planet>, atlas_bytes: u64) -> Result<Self, RenderError> {
         let capacity = Atlas::capacity(device, atlas_bytes)?;
         let style = style_of(&planet)?;
+        let sea_m = sea_of(&planet);
         let atlas = Atlas::new(device, &planet, capacity)?;
         let resident = Resident::new(planet, capacity, atlas)?;
         let gpu = device.guard(|| {
             let tessellation = Tessellation::new(device);
             Self {
-                picture: Picture::new(device),
+                picture: Picture::new(device, &sea_m),
                 present: Present::new(device),
                 timestamps: Timestamps::new(device, TIMED),
                 canvas: Canvas::new(device, &tessellation, &style),

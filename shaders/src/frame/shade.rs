@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::Places;
 use super::ground::{Ground, detail, ground_between, metres_per_unit};
-use super::style::{Overlay, Shadow, Style};
+use super::sea::sea_level_m;
+use super::style::{Overlay, Shadow, Shore, Style};
 use crate::pages::Pages;
 use crate::planet::{Planet, View};
 use crate::shadow::pages::PagedRelief;
@@ -46,9 +47,9 @@ impl Fetches {
     }
 }
 
-/// Shades what was drawn.
+/// Shades what was drawn. `sea_m` is the grid of [`super::sea`]; it is read where the style says so.
 #[must_use]
-pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, places: &Places) -> (Shaded, Fetches) {
+pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, sea_m: &[f32], places: &Places) -> (Shaded, Fetches) {
     let (width, count) = (view.width as usize, places.depths.len());
     let mut shaded = Shaded { colours: vec![0; count], distances_m: vec![0.0; count], normals: vec![0; count] };
     let Shaded { colours, distances_m, normals } = &mut shaded;
@@ -58,7 +59,7 @@ pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, places: &Places) -> 
         .zip(normals.par_chunks_mut(width))
         .enumerate();
     let fetches = rows.map(|(row, ((colours, distances_m), normals))| {
-        let mut canvas = Canvas { pages, view, style, fetches: Fetches::default() };
+        let mut canvas = Canvas { pages, view, style, sea_m, fetches: Fetches::default() };
         for column in 0..width {
             let at = row * width + column;
             (colours[column], distances_m[column], normals[column]) =
@@ -74,6 +75,7 @@ struct Canvas<'a> {
     pages: &'a Pages<'a>,
     view: &'a View,
     style: &'a Style,
+    sea_m: &'a [f32],
     fetches: Fetches,
 }
 
@@ -99,7 +101,8 @@ impl Canvas<'_> {
         let visible = self.sunlight(&here, s, t, sun);
         let exaggeration = exaggeration(style, distance_m / view.right[3]);
         let steep = [here.east * exaggeration, here.north * exaggeration];
-        let mut colour = ground_colour(style, here.height_m, steep, sun, visible);
+        let sea_m = if style.sea == Shore::Grid as u32 { sea_level_m(self.sea_m, s, t) } else { 0.0 };
+        let mut colour = ground_colour(style, here.height_m - sea_m, steep, sun, visible);
         if style.overlay == Overlay::Detail as u32 {
             colour = mix(colour, detail_colour((marks & 255) as i32 - 128), 0.45);
         }
@@ -167,7 +170,7 @@ pub fn exaggeration(style: &Style, footprint_m: f32) -> f32 {
     (footprint_m / style.exaggeration_from_m).max(1.0).powf(0.4).clamp(1.0, 8.0)
 }
 
-/// Light on ground of a height and slope under a sun (east, north, up).
+/// Light on ground of a height (above the sea, where there is one) and slope under a sun (east, north, up).
 #[must_use]
 pub fn ground_colour(style: &Style, height_m: f32, slope: [f32; 2], sun: [f32; 3], visible: f32) -> [f32; 3] {
     let normal = normalize([-slope[0], -slope[1], 1.0]);

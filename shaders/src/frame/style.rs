@@ -27,6 +27,19 @@ pub enum Shadow {
     Exact = 1,
 }
 
+/// Where land ends and sea begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Shore {
+    /// Nowhere.
+    #[default]
+    None = 0,
+    /// At height 0.
+    Ellipsoid = 1,
+    /// At the level of [`super::sea`].
+    Grid = 2,
+}
+
 /// `struct Style` of `wgsl/lib/shade_style.wgsl`. Colours are linear light.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -35,7 +48,7 @@ pub struct Style {
     pub overlay: u32,
     /// A [`Shadow`].
     pub shadow: u32,
-    /// 1 when heights below 0 are water.
+    /// A [`Shore`].
     pub sea: u32,
     /// Density of the air that lifts the sun, 1 on Earth at sea level; 0 for no refraction.
     pub air: f32,

@@ -5,8 +5,10 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 mod compare;
+mod gpu;
 mod hard;
-
+mod page_set;
+mod paged;
 mod plane;
 mod worlds;
 

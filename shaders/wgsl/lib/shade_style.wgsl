@@ -25,3 +25,4 @@ const NO_OVERLAY: u32 = 0u;
 const WIREFRAME: u32 = 1u;
 const DETAIL: u32 = 2u;
 const NO_SHADOW: u32 = 0u;
+const SEA_GRID: u32 = 2u;
