@@ -4,7 +4,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use relief_shaders::frame::{self, Style};
-use relief_shaders::leb::{self, Mesh};
+use relief_shaders::leb::{self, ReliefTriangle};
+use relief_shaders::{paper, planet as shared};
 
 use crate::frame::{Frame, RenderError, Renderer, Scheme, Settings, Stats, style_of};
 use crate::planet::Planet;
@@ -44,24 +45,29 @@ impl Cpu {
         &mut self.resident
     }
 
-    /// The mesh of a view, from what is resident.
-    ///
-    /// # Errors
-    /// A view that shows nothing.
-    pub fn mesh(&self, view: &View, settings: &Settings) -> Result<Mesh, ViewError> {
+    /// The mesh of a view, from what is resident, and what it cost.
+    fn tessellate(&self, view: &shared::View, scheme: Scheme) -> (Vec<ReliefTriangle>, Stats) {
         let pages = self.resident.pages();
-        let view = view.uniform(self.resident.planet())?;
-        Ok(match settings.scheme {
+        let params = || leb::Params::new(pages.planet, view, MOST_TRIANGLES, MOST_TRIANGLES);
+        match scheme {
             Scheme::Leb => {
-                let params = leb::Params::new(pages.planet, &view, MOST_TRIANGLES, MOST_TRIANGLES);
-                leb::tessellate(&pages, &view, &params)
+                let leb::Mesh { triangles, stats: leb::Stats { passes, tested, culled, overflow } } =
+                    leb::tessellate(&pages, view, &params());
+                let [tested, culled] = [tested, culled].map(u64::from);
+                (triangles, Stats { passes, tested, culled, overflow, ..Stats::default() })
+            }
+            Scheme::Paper => {
+                let paper::Drawn { triangles, stats } = paper::tessellate(&pages, view, &params());
+                let [tested, culled, fillers] = [stats.tested, stats.culled, stats.fillers].map(u64::from);
+                let (passes, overflow) = (stats.passes, stats.overflow);
+                (triangles, Stats { passes, tested, culled, fillers, overflow, ..Stats::default() })
             }
             Scheme::Uniform { level } => {
                 let triangles = frame::uniform(&pages, level.min(pages.planet.root_level));
-                let tested = triangles.len() as u32;
-                Mesh { triangles, stats: leb::Stats { passes: 1, tested, ..leb::Stats::default() } }
+                let tested = triangles.len() as u64;
+                (triangles, Stats { passes: 1, tested, ..Stats::default() })
             }
-        })
+        }
     }
 }
 
@@ -73,23 +79,25 @@ impl Renderer for Cpu {
         }
         let uniform = view.uniform(self.resident.planet())?;
         let style = Style { overlay: settings.overlay as u32, ..self.style };
-        let mut stats = Stats::default();
         let mut clock = Clock(Instant::now());
-        let mesh = self.mesh(view, settings)?;
+        let (triangles, mut stats) = self.tessellate(&uniform, settings.scheme);
         stats.pass_ms.push(("tessellate", clock.lap_ms()));
-        let places = frame::draw(self.resident.uniform(), &uniform, &mesh.triangles);
+        let places = frame::draw(self.resident.uniform(), &uniform, &triangles);
         stats.pass_ms.push(("draw", clock.lap_ms()));
         let shaded = frame::shade(&self.resident.pages(), &uniform, &style, &places);
         stats.pass_ms.push(("shade", clock.lap_ms()));
-        stats.triangles = mesh.triangles.len() as u64;
-        stats.passes = mesh.stats.passes;
-        stats.tested = u64::from(mesh.stats.tested);
-        stats.culled = u64::from(mesh.stats.culled);
-        stats.overflow = mesh.stats.overflow;
+        stats.triangles = triangles.len() as u64;
         stats.tiles_missing = self.resident.ask_seen();
         stats.tiles_resident = self.resident.count();
         let frame = Frame::new([width, height], shaded, stats);
         Ok(if settings.places { frame.with_places(&places) } else { frame })
+    }
+
+    fn mesh(&mut self, view: &View, scheme: Scheme) -> Result<Vec<ReliefTriangle>, RenderError> {
+        let view = view.uniform(self.resident.planet())?;
+        let (triangles, _) = self.tessellate(&view, scheme);
+        self.resident.ask_seen();
+        Ok(triangles)
     }
 
     fn update(&mut self, budget: Duration) -> Progress {

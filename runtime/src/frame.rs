@@ -13,6 +13,7 @@ pub use error::RenderError;
 pub use look::style_of;
 pub use picture::Frame;
 pub use relief_shaders::frame::Overlay;
+pub use relief_shaders::leb::{Corner, ReliefTriangle};
 
 /// How a view is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,6 +32,8 @@ pub enum Scheme {
     /// Longest-edge bisection, as exact as the view's threshold asks.
     #[default]
     Leb,
+    /// The triangle patches of paper 000; its threshold is no bound of the error.
+    Paper,
     /// All cells of a level, without adaptation or culling: the baseline.
     Uniform {
         /// The level.
@@ -45,6 +48,8 @@ pub struct Stats {
     pub triangles: u64,
     /// Passes of the tessellation.
     pub passes: u32,
+    /// Vertical triangles among those drawn (scheme `paper`).
+    pub fillers: u64,
     /// Triangles that it judged.
     pub tested: u64,
     /// Triangles that it culled.
@@ -66,6 +71,13 @@ pub trait Renderer {
     /// # Errors
     /// A view that shows nothing, or what the device says.
     fn render(&mut self, view: &View, settings: &Settings) -> Result<Frame, RenderError>;
+
+    /// The triangles of a view, from what is resident; see [`relief_shaders::position`] for where
+    /// their corners are. In no order on a GPU.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    fn mesh(&mut self, view: &View, scheme: Scheme) -> Result<Vec<ReliefTriangle>, RenderError>;
 
     /// Loads what frames asked for, within a budget.
     fn update(&mut self, budget: Duration) -> Progress;

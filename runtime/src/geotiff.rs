@@ -10,7 +10,7 @@ use tiff::encoder::{Compression, DirectoryEncoder, Predictor, TiffEncoder, TiffK
 use tiff::tags::Tag;
 use tiff::{TiffError, TiffResult};
 
-pub use crs::GeoKeys;
+pub use crs::{GeoKeys, sidecar};
 
 /// Rows of a strip.
 const STRIP: u32 = 64;

@@ -1,11 +1,15 @@
 //! The GPU backend: the device, the atlas in its memory, and the kernels' pipelines.
 
 mod atlas;
+mod canvas;
 mod device;
 mod frame;
 mod heights;
 mod kernel;
+mod lists;
+mod pending;
 mod picture;
+mod present;
 mod readback;
 mod targets;
 mod tessellate;
@@ -15,3 +19,4 @@ pub use atlas::Atlas;
 pub use device::{AdapterChoice, Device, DeviceError};
 pub use frame::Gpu;
 pub use heights::Heights;
+pub use present::HostTargets;

@@ -10,6 +10,7 @@ pub mod frame;
 pub mod geotiff;
 pub mod gpu;
 pub mod planet;
+pub mod report;
 pub mod residency;
 pub mod sun;
 pub mod view;

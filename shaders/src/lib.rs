@@ -7,6 +7,7 @@ pub mod angle;
 pub mod frame;
 pub mod kernels;
 pub mod leb;
+pub mod oracle;
 pub mod pages;
 pub mod paper;
 pub mod planet;

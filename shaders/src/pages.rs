@@ -6,6 +6,8 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use bytemuck::{Pod, Zeroable};
+
 use crate::planet::Planet;
 
 /// Cells along a tile's side.
@@ -49,6 +51,20 @@ pub const fn unkey(key: u32) -> (u32, u32, u32) {
 #[must_use]
 pub const fn hash(key: u32, bits: u32) -> u32 {
     key.wrapping_mul(0x9e37_79b1) >> (32 - bits)
+}
+
+/// A point whose height is asked for: `struct Point` of `wgsl/heights.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Point {
+    /// Fixed point.
+    pub s: u32,
+    /// Fixed point.
+    pub t: u32,
+    /// Level of the surface that is asked for.
+    pub level: u32,
+    /// The answer, metres.
+    pub height_m: f32,
 }
 
 /// A node or cell corner within a tile.

@@ -12,6 +12,11 @@ fn half_angle(units: i32) -> [f32; 2] {
     sin_cos((units >> 1) as u32)
 }
 
+/// a - b where nothing wraps.
+fn difference(a: u32, b: u32) -> f32 {
+    if a >= b { (a - b) as f32 } else { -((b - a) as f32) }
+}
+
 /// The point (S, T, height) in the camera's frame, metres from the camera.
 #[must_use]
 pub fn camera_relative_m(planet: &Planet, view: &View, s: u32, t: u32, height_m: f32) -> [f32; 3] {
@@ -19,7 +24,8 @@ pub fn camera_relative_m(planet: &Planet, view: &View, s: u32, t: u32, height_m:
     let ds = s.wrapping_sub(view.camera_s) as i32;
     let dt = t.wrapping_sub(view.camera_t) as i32;
     if planet.plane != 0 {
-        return [ds as f32 * planet.unit_x_m, dt as f32 * planet.unit_y_m, dh];
+        let [east, north] = [difference(s, view.camera_s), difference(t, view.camera_t)];
+        return [east * planet.unit_x_m, north * planet.unit_y_m, dh];
     }
     let sin0 = view.sin_lat;
     let [sin1, cos1] = sin_cos_lat(t);
@@ -31,12 +37,16 @@ pub fn camera_relative_m(planet: &Planet, view: &View, s: u32, t: u32, height_m:
     let dn = planet.a_m * planet.e2 * d_sin * (sin1 + sin0) / (view.w0 * w1 * (view.w0 + w1));
     let h0 = view.camera_h_hi_m;
     let rho = (view.n0_m + h0 + dn + dh) * cos1;
-    let [sin_dl, cos_dl] = half_angle(ds);
-    [
-        (dn + dh) * cos1 + (view.n0_m + h0) * d_cos - 2.0 * rho * sin_dl * sin_dl,
-        2.0 * rho * sin_dl * cos_dl,
-        ((1.0 - planet.e2) * dn + dh) * sin1 + ((1.0 - planet.e2) * view.n0_m + h0) * d_sin,
-    ]
+    let [sin_l, cos_l] = sin_cos(ds as u32);
+    // A pole has any longitude and one position.
+    let x = if ds.unsigned_abs() <= 1 << 30 || cos1 == 0.0 {
+        let [sin_dl, _] = half_angle(ds);
+        (dn + dh) * cos1 + (view.n0_m + h0) * d_cos - 2.0 * rho * sin_dl * sin_dl
+    } else {
+        // On the other side of the axis nothing cancels.
+        rho * cos_l - (view.n0_m + h0 + view.camera_h_lo_m) * view.cos_lat
+    };
+    [x, rho * sin_l, ((1.0 - planet.e2) * dn + dh) * sin1 + ((1.0 - planet.e2) * view.n0_m + h0) * d_sin]
 }
 
 #[cfg(test)]
@@ -45,8 +55,13 @@ mod tests {
     use proptest::prelude::*;
     use relief_formats::geodesy::{Ellipsoid, lat_deg, lon_deg};
 
-    const BODIES: [(f64, f64); 4] =
-        [(6_378_137.0, 6_356_752.314_245), (1_737_400.0, 1_737_400.0), (3_396_190.0, 3_376_200.0), (900.0, 1_000.0)];
+    const BODIES: [(f64, f64); 5] = [
+        (6_378_137.0, 6_356_752.314_245),
+        (1_737_400.0, 1_737_400.0),
+        (3_396_190.0, 3_376_200.0),
+        (900.0, 1_000.0),
+        (1_000.0, 800.0),
+    ];
 
     fn view(body: Ellipsoid, s: u32, t: u32, height_m: f64) -> View {
         let (sin, cos) = lat_deg(t).to_radians().sin_cos();
@@ -88,18 +103,29 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
         #[test]
         fn within_5e7_of_the_distance(
-            body in 0usize..4, s: u32, t in 0..=1u32 << 31, scale in 0.0..9.3f64,
-            u in -1.0..1.0f64, v in -1.0..1.0f64, up in 0.0..1.0f64, relief in -1.0..1.0f64, pole in 0..4,
+            body in 0usize..5, s: u32, t in 0..=1u32 << 31, scale in 0.0..9.3f64,
+            u in -1.0..1.0f64, v in -1.0..1.0f64, up in 0.0..1.0f64, relief in -1.0..1.0f64, pole in 0..5, radii in -3.0..1.0f64,
         ) {
             let (a_m, b_m) = BODIES[body];
             let t = match pole { 0 => t >> 20, 1 => (1 << 31) - (t >> 20), _ => t };
+            let high_m = if pole == 3 { a_m * 10f64.powf(radii) } else { 0.0 };
             let span = 10f64.powf(scale);
             let camera_t = (i64::from(t) + (span * v) as i64).clamp(0, 1 << 31) as u32;
+            let camera_t = if pole == 4 { camera_t >> 31 << 31 } else { camera_t };
             let height = (relief * a_m * 1.5e-3) as f32;
-            let camera_m = f64::from(height) + up * span * 1e-9 * a_m + a_m * 1e-7;
+            let camera_m = f64::from(height) + up * span * 1e-9 * a_m + a_m * 1e-7 + high_m;
             let error = relative_error(Ellipsoid { a_m, b_m }, (near(s, span, u), camera_t, camera_m), (s, t, height));
             prop_assert!(error < 5e-7, "{error:e} of the distance");
         }
+    }
+
+    #[test]
+    fn a_plane_does_not_wrap() {
+        let planet = Planet { plane: 1, unit_x_m: 0.5, unit_y_m: 0.25, ..Planet::default() };
+        let far = camera_relative_m(&planet, &View::default(), 1 << 31, 1 << 31, 7.0);
+        assert_eq!(far, [2f32.powi(30), 2f32.powi(29), 7.0]);
+        let view = View { camera_s: 1 << 31, camera_t: 5, ..View::default() };
+        assert_eq!(camera_relative_m(&planet, &view, 0, 1, 0.0), [-(2f32.powi(30)), -1.0, 0.0]);
     }
 
     #[test]

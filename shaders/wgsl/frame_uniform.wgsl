@@ -23,7 +23,7 @@ fn uniform_corner(i: u32, j: u32) -> Corner {
 }
 
 @compute @workgroup_size(8, 8)
-fn uniform_mesh(@builtin(global_invocation_id) id: vec3<u32>) {
+fn frame_uniform(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= mesh.columns || id.y >= mesh.rows {
         return;
     }

@@ -126,8 +126,9 @@ impl Place {
         Ok(Self::from_cells(grid, level, f64::from(s) / cell, f64::from(t) / cell))
     }
 
-    /// From coordinates in cells of the level, within the grid.
-    fn from_cells(grid: Grid, level: u32, x: f64, y: f64) -> Self {
+    /// From coordinates in cells of the level: x in 0..=W, y in 0..=H.
+    #[must_use]
+    pub fn from_cells(grid: Grid, level: u32, x: f64, y: f64) -> Self {
         let split = |value: f64, count: u32| {
             let index = (value.floor() as u32).min(count - 1);
             (index, value - f64::from(index))

@@ -1,14 +1,13 @@
 //! GeoKeys of a body's CRS.
 //!
 //! A globe on WGS-84 is EPSG:4326, another one a geographic CRS by its semi-axes. A plane's WKT is
-//! named by its EPSG code where it has one; otherwise it is handed over whole in the citation, after
-//! the words `ESRI PE String = `, which GDAL and Esri's programs read.
+//! named by its EPSG code where it has one. Otherwise the keys hold its name alone, and its WKT
+//! goes into a file beside the raster, NAME.tif.aux.xml, which GDAL reads first.
 
 use relief_formats::body::Body;
 
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
-const CITATION: u16 = 1026;
 const GEODETIC_CRS: u16 = 2048;
 const GEODETIC_CITATION: u16 = 2049;
 const GEODETIC_DATUM: u16 = 2050;
@@ -85,13 +84,13 @@ impl GeoKeys {
                 self.code(MODEL_TYPE, PROJECTED);
                 self.code(RASTER_TYPE, PIXEL_IS_AREA);
                 self.code(PROJECTED_CRS, USER_DEFINED);
-                self.text(PROJECTED_CITATION, &format!("ESRI PE String = {}|", ascii(wkt)));
+                self.text(PROJECTED_CITATION, &format!("{}|", ascii(name_of(wkt))));
             }
             _ if geographic => {
                 self.code(MODEL_TYPE, GEOGRAPHIC);
                 self.code(RASTER_TYPE, PIXEL_IS_AREA);
-                self.text(CITATION, &format!("ESRI PE String = {}|", ascii(wkt)));
                 self.code(GEODETIC_CRS, USER_DEFINED);
+                self.text(GEODETIC_CITATION, &format!("{}|", ascii(name_of(wkt))));
             }
             _ => self.code(RASTER_TYPE, PIXEL_IS_AREA),
         }
@@ -129,6 +128,23 @@ impl GeoKeys {
     pub fn ascii(&self) -> &str {
         &self.ascii
     }
+}
+
+/// GDAL's file beside a raster, NAME.tif.aux.xml, for a CRS that GeoKeys do not name in full.
+#[must_use]
+pub fn sidecar(body: &Body) -> Option<String> {
+    let Body::Plane { crs_wkt, .. } = body else { return None };
+    let wkt = crs_wkt.trim();
+    if !wkt.contains('[') || epsg_code(wkt).is_some() {
+        return None;
+    }
+    let srs = super::escaped(wkt);
+    Some(format!("<PAMDataset>\n  <SRS dataAxisToSRSAxisMapping=\"1,2\">{srs}</SRS>\n</PAMDataset>\n"))
+}
+
+/// The first quoted text of a WKT: the CRS's name.
+fn name_of(wkt: &str) -> &str {
+    wkt.split('"').nth(1).unwrap_or("unnamed")
 }
 
 /// The EPSG code of the outermost object: what stands directly within it as AUTHORITY (WKT 1) or

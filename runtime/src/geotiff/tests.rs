@@ -75,5 +75,15 @@ fn keys_ascend_and_point_into_their_parameters() {
     }
 }
 
+#[test]
+fn a_crs_without_a_code_goes_beside_the_raster() {
+    let plane = |wkt: &str| Body::Plane { crs_wkt: wkt.into(), x0: 0.0, y0: 0.0, dx: 1.0, dy: 1.0 };
+    let custom = sidecar(&plane(r#"PROJCS["a < b",GEOGCS["WGS 84",AUTHORITY["EPSG","4326"]]]"#)).unwrap();
+    assert!(custom.contains(r#">PROJCS["a &lt; b",GEOGCS["WGS 84",AUTHORITY["EPSG","4326"]]]</SRS>"#), "{custom}");
+    for known in [plane(r#"PROJCS["x",AUTHORITY["EPSG","32611"]]"#), plane(""), plane("LOCAL"), Body::moon()] {
+        assert_eq!(sidecar(&known), None);
+    }
+}
+
 const DOUBLES: u16 = 34736;
 const ASCII: u16 = 34737;

@@ -1,29 +1,31 @@
 //! The GPU backend: a planet's resident set, and frames of it.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use relief_shaders::frame::{Places, Shaded, Style};
-use relief_shaders::leb::tessellate::PASSES;
 use relief_shaders::planet as shared;
 
 use super::atlas::Atlas;
+use super::canvas::Canvas;
 use super::device::{Device, DeviceError};
-use super::kernel;
-use super::picture::{Groups, Picture};
+use super::pending::{Finished, Pending};
+use super::picture::Picture;
+use super::present::{HostTargets, Present};
 use super::readback::{Mapping, Readback};
 use super::targets::Targets;
-use super::tessellate::{Control, Lists, Tessellation};
+use super::tessellate::Tessellation;
 use super::timestamps::Timestamps;
-use crate::frame::{Frame, RenderError, Renderer, Scheme, Settings, Stats, style_of};
+use crate::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings, Stats, style_of};
 use crate::planet::Planet;
 use crate::residency::{Progress, Resident};
 use crate::view::View;
 
-/// Triangles that a pass may yield and relief triangles, to begin with; both grow when needed.
-const CAPACITY: [u32; 2] = [1 << 17, 1 << 18];
 /// The passes that are timed.
 const TIMED: &[&str] = &["tessellate", "draw", "shade"];
+/// Frames that a host may be ahead of the GPU.
+const IN_FLIGHT: usize = 3;
 
 /// A planet on a GPU; draws any number of views, one after the other.
 pub struct Gpu {
@@ -31,19 +33,15 @@ pub struct Gpu {
     resident: Resident<Atlas>,
     tessellation: Tessellation,
     picture: Picture,
+    present: Present,
     timestamps: Timestamps,
-    view: wgpu::Buffer,
-    style_buffer: wgpu::Buffer,
     style: Style,
-    lists: Lists,
-    targets: Option<(Targets, Groups)>,
-}
-
-/// A frame that was drawn and is still on the GPU.
-struct Drawn {
-    control: Control,
-    missing: usize,
-    pass_ms: Vec<(&'static str, f64)>,
+    canvas: Canvas,
+    in_flight: VecDeque<Pending>,
+    /// Of the last frame that was finished.
+    stats: Stats,
+    /// Passes of the tessellation that are tried first: an empty one costs time too.
+    passes: u32,
 }
 
 impl Gpu {
@@ -58,18 +56,18 @@ impl Gpu {
         let resident = Resident::new(planet, capacity, atlas)?;
         let gpu = device.guard(|| {
             let tessellation = Tessellation::new(device);
-            let view = kernel::uniform(device, "view", &shared::View::default());
             Self {
                 picture: Picture::new(device),
+                present: Present::new(device),
                 timestamps: Timestamps::new(device, TIMED),
-                style_buffer: kernel::uniform(device, "style", &style),
-                lists: tessellation.lists(device, &view, CAPACITY),
-                targets: None,
+                canvas: Canvas::new(device, &tessellation, &style),
                 device: device.clone(),
                 resident,
                 tessellation,
-                view,
                 style,
+                in_flight: VecDeque::new(),
+                stats: Stats::default(),
+                passes: u32::MAX,
             }
         })?;
         Ok(gpu)
@@ -92,111 +90,121 @@ impl Gpu {
         &mut self.resident
     }
 
-    /// Draws a view with what is resident, with lists as large as it needs.
-    fn draw(&mut self, view: &View, settings: &Settings) -> Result<Drawn, RenderError> {
+    /// Draws a view with what is resident into the host's targets, without waiting for the GPU.
+    /// The counts are those of the latest frame that the GPU has finished, a few frames ago.
+    ///
+    /// # Errors
+    /// A view that shows nothing, or what the device says.
+    pub fn present(&mut self, view: &View, settings: &Settings, host: &HostTargets<'_>) -> Result<Stats, RenderError> {
+        let pending = self.submit(view, settings, Some(host))?;
+        self.in_flight.push_back(pending);
+        // Only what has ended already: the host waits for nobody.
+        let _ = self.device.wgpu().poll(wgpu::PollType::Poll);
+        while let Some(pending) = self.in_flight.pop_front() {
+            let finished = if self.in_flight.len() < IN_FLIGHT {
+                match pending.poll(&self.device, &self.timestamps)? {
+                    Ok(finished) => finished,
+                    Err(pending) => {
+                        self.in_flight.push_front(pending);
+                        break;
+                    }
+                }
+            } else {
+                pending.wait(&self.device, &self.timestamps)?
+            };
+            self.note(finished);
+            self.make_room()?;
+        }
+        Ok(self.stats.clone())
+    }
+
+    /// Draws a view with what is resident, with lists as large as it needs, and waits.
+    fn draw(&mut self, view: &View, settings: &Settings) -> Result<(), RenderError> {
         loop {
-            let drawn = self.draw_once(view, settings)?;
-            if drawn.control.overflow == 0 || !self.grow()? {
-                return Ok(drawn);
+            let finished = self.submit(view, settings, None)?.wait(&self.device, &self.timestamps)?;
+            self.note(finished);
+            if !self.make_room()? {
+                return Ok(());
             }
         }
     }
 
-    fn draw_once(&mut self, view: &View, settings: &Settings) -> Result<Drawn, RenderError> {
-        let size = [view.width, view.height];
-        let uniform = view.uniform(self.resident.planet())?;
-        Targets::check(&self.device, size)?;
-        let style = Style { overlay: settings.overlay as u32, ..self.style };
-        let device = self.device.clone();
-        let (control, seen, times) = device.guard(|| {
-            if self.targets.as_ref().is_none_or(|(targets, _)| targets.size != size) {
-                self.targets = None;
-                let targets = Targets::new(&self.device, size);
-                let groups = self.groups(&targets);
-                self.targets = Some((targets, groups));
-            }
-            self.device.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
-            self.device.queue().write_buffer(&self.style_buffer, 0, bytemuck::bytes_of(&style));
-            let mut encoder = self.device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            self.encode(&mut encoder, &uniform, settings.scheme);
-            let control = Readback::of(&self.device, &mut encoder, &self.lists.control);
-            let seen = self.resident.store().take_seen(&mut encoder);
-            let times = self.timestamps.read(&self.device, &mut encoder);
-            self.device.queue().submit([encoder.finish()]);
-            (control.map(), seen.map(), times.map(Readback::map))
-        })?;
-        let missing = self.resident.ask_record(&seen.wait::<u32>(&self.device)?);
-        let control = control.wait::<Control>(&self.device)?.first().copied().unwrap_or_default();
-        let pass_ms = match times {
-            Some(times) => self.timestamps.pass_ms(&self.device, &times)?,
-            None => Vec::new(),
-        };
-        Ok(Drawn { control, missing, pass_ms })
+    /// More passes or longer lists, if the last frame had too few; true when it is to be drawn again.
+    fn make_room(&mut self) -> Result<bool, DeviceError> {
+        if !self.stats.overflow {
+            return Ok(false);
+        }
+        if self.passes != u32::MAX {
+            self.passes = u32::MAX;
+            return Ok(true);
+        }
+        self.canvas.grow(&self.device, &self.tessellation)
     }
 
-    fn groups(&self, targets: &Targets) -> Groups {
-        let buffers = [&self.view, &self.style_buffer];
-        self.picture.groups(&self.device, self.resident.store(), buffers, &self.lists, targets)
+    fn submit(
+        &mut self,
+        view: &View,
+        settings: &Settings,
+        host: Option<&HostTargets<'_>>,
+    ) -> Result<Pending, RenderError> {
+        let uniform = view.uniform(self.resident.planet())?;
+        Targets::check(&self.device, [view.width, view.height])?;
+        let style = Style { overlay: settings.overlay as u32, ..self.style };
+        let device = self.device.clone();
+        let pending = device.guard(|| {
+            self.canvas.set(&device, &self.picture, self.resident.store(), &uniform, &style);
+            let mut encoder = device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            self.encode(&mut encoder, &uniform, settings.scheme);
+            if let (Some(host), Some((targets, _))) = (host, &self.canvas.sized) {
+                self.present.encode(&device, &mut encoder, &self.canvas.view, targets, host);
+            }
+            let control = Readback::of(&device, &mut encoder, &self.canvas.lists.control);
+            let seen = self.resident.store().take_seen(&mut encoder);
+            let times = self.timestamps.read(&device, &mut encoder);
+            device.queue().submit([encoder.finish()]);
+            Pending { control: control.map(), seen: seen.map(), times: times.map(Readback::map) }
+        })?;
+        Ok(pending)
     }
 
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, view: &shared::View, scheme: Scheme) {
-        let (atlas, planet) = (self.resident.store(), self.resident.uniform());
-        let Some((targets, groups)) = &self.targets else { return };
-        let timed = |n| wgpu::ComputePassDescriptor {
+        let (atlas, planet, lists) = (self.resident.store(), self.resident.uniform(), &self.canvas.lists);
+        let Some((targets, groups)) = &self.canvas.sized else { return };
+        let timed = |n: u32| wgpu::ComputePassDescriptor {
             label: Some(TIMED[n as usize]),
             timestamp_writes: self.timestamps.compute(n),
         };
         {
             let mut pass = encoder.begin_compute_pass(&timed(0));
-            match scheme {
-                Scheme::Leb => {
-                    self.tessellation.leb(&self.device, &mut pass, atlas, &self.lists, (planet, view), PASSES);
-                }
-                Scheme::Uniform { level } => {
-                    self.tessellation.uniform(&self.device, &mut pass, atlas, &self.lists, planet, level);
-                }
-            }
+            let passes = self.passes.min(Tessellation::most_passes(planet, scheme));
+            let buffers = (atlas, lists);
+            self.tessellation.encode(&self.device, &mut pass, buffers, (planet, view), (scheme, passes));
         }
-        self.picture.draw(encoder, groups, &self.lists, targets, self.timestamps.render(1));
+        self.picture.draw(encoder, groups, lists, targets, self.timestamps.render(1));
         let mut pass = encoder.begin_compute_pass(&timed(2));
         self.picture.shade(&mut pass, atlas, groups, targets.size);
     }
 
-    /// Doubles the lists; false when the device holds no larger ones.
-    fn grow(&mut self) -> Result<bool, DeviceError> {
-        let limits = self.device.wgpu().limits();
-        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let capacity = self.lists.capacity.map(|count| count.saturating_mul(2));
-        // 48 bytes a relief triangle; 65535 groups of 64 in a dispatch.
-        if u64::from(capacity[1]) * 48 > most || capacity[0] > 65_535 * 64 {
-            return Ok(false);
-        }
-        let lists = self.device.guard(|| self.tessellation.lists(&self.device, &self.view, capacity))?;
-        self.lists = lists;
-        if let Some((targets, _)) = self.targets.take() {
-            let groups = self.device.guard(|| self.groups(&targets))?;
-            self.targets = Some((targets, groups));
-        }
-        Ok(true)
-    }
-
-    fn stats(&self, drawn: Drawn) -> Stats {
-        let control = drawn.control;
-        Stats {
-            triangles: u64::from(control.relief.min(self.lists.capacity[1])),
+    fn note(&mut self, finished: Finished) {
+        let control = finished.control;
+        // A few more than the last frame took, falling slowly, so that views may alternate.
+        self.passes = (control.passes + 2).max(self.passes.saturating_sub(1).min(64));
+        self.stats = Stats {
+            triangles: u64::from(control.relief.min(self.canvas.lists.capacity[1])),
+            fillers: u64::from(control.fillers),
             passes: control.passes,
             tested: u64::from(control.tested),
             culled: u64::from(control.culled),
-            overflow: control.overflow != 0,
+            overflow: control.overflow != 0 || control.count_in != 0,
+            tiles_missing: self.resident.ask_record(&finished.seen),
             tiles_resident: self.resident.count(),
-            tiles_missing: drawn.missing,
-            pass_ms: drawn.pass_ms,
-        }
+            pass_ms: finished.pass_ms,
+        };
     }
 
     /// The last frame in RAM.
-    fn read(&self, drawn: Drawn, settings: &Settings) -> Result<Frame, RenderError> {
-        let Some((targets, _)) = &self.targets else { return Ok(Frame::default()) };
+    fn read(&self, settings: &Settings) -> Result<Frame, DeviceError> {
+        let Some((targets, _)) = &self.canvas.sized else { return Ok(Frame::default()) };
         let device = &self.device;
         let (words, places) = device.guard(|| {
             let mut encoder = device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -212,7 +220,7 @@ impl Gpu {
             distances_m: distances.wait(device)?,
             normals: normals.wait(device)?,
         };
-        let frame = Frame::new(targets.size, shaded, self.stats(drawn));
+        let frame = Frame::new(targets.size, shaded, self.stats.clone());
         let Some([(places, compact_places), (depths, compact_depths)]) = places else { return Ok(frame) };
         let words = |mapping: &Mapping| mapping.wait::<u32>(device);
         let drawn = Places {
@@ -225,9 +233,25 @@ impl Gpu {
 }
 
 impl Renderer for Gpu {
+    fn mesh(&mut self, view: &View, scheme: Scheme) -> Result<Vec<ReliefTriangle>, RenderError> {
+        self.draw(view, &Settings { scheme, ..Settings::default() })?;
+        let device = &self.device;
+        let bytes = self.stats.triangles * size_of::<ReliefTriangle>() as u64;
+        if bytes == 0 {
+            return Ok(Vec::new());
+        }
+        let mapping = device.guard(|| {
+            let mut encoder = device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let readback = Readback::first(device, &mut encoder, &self.canvas.lists.relief, bytes);
+            device.queue().submit([encoder.finish()]);
+            readback.map()
+        })?;
+        Ok(mapping.wait(device)?)
+    }
+
     fn render(&mut self, view: &View, settings: &Settings) -> Result<Frame, RenderError> {
-        let drawn = self.draw(view, settings)?;
-        self.read(drawn, settings)
+        self.draw(view, settings)?;
+        Ok(self.read(settings)?)
     }
 
     fn update(&mut self, budget: Duration) -> Progress {
@@ -242,14 +266,14 @@ impl Renderer for Gpu {
     ) -> Result<Frame, RenderError> {
         let deadline = Instant::now() + time;
         loop {
-            let drawn = self.draw(view, settings)?;
+            self.draw(view, settings)?;
             let left = deadline.saturating_duration_since(Instant::now());
-            let done = drawn.missing == 0 || left.is_zero() || {
+            let done = self.stats.tiles_missing == 0 || left.is_zero() || {
                 let progress = self.resident.update(left);
                 progress.full && progress.loaded == 0
             };
             if done {
-                return self.read(drawn, settings);
+                return Ok(self.read(settings)?);
             }
         }
     }

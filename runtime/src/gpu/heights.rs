@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use bytemuck::{Pod, Zeroable};
 use relief_shaders::kernels;
+use relief_shaders::pages::Point;
 
 use super::atlas::Atlas;
 use super::device::{Device, DeviceError};
@@ -19,16 +19,6 @@ pub struct Heights {
     device: Device,
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
-}
-
-/// `struct Point` of `wgsl/heights.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Point {
-    s: u32,
-    t: u32,
-    level: u32,
-    height_m: f32,
 }
 
 impl Heights {

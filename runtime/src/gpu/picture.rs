@@ -1,15 +1,13 @@
 //! Drawing and shading: `wgsl/frame_draw.wgsl` and `wgsl/frame_shade.wgsl`.
 
 use relief_shaders::kernels;
+use relief_shaders::leb::control::Args;
 
 use super::atlas::Atlas;
 use super::device::Device;
 use super::kernel::{self, Binding};
+use super::lists::Lists;
 use super::targets::{DEPTHS, PLACES, Targets};
-use super::tessellate::Lists;
-
-/// Byte of the arguments where those of the draw begin.
-const DRAW_ARGS: u64 = 16;
 
 /// Pipelines of a picture.
 pub(super) struct Picture {
@@ -103,7 +101,7 @@ impl Picture {
         pass.set_pipeline(&self.draw);
         pass.set_bind_group(0, &groups.planet, &[]);
         pass.set_bind_group(1, &groups.corners, &[]);
-        pass.draw_indirect(&lists.args, DRAW_ARGS);
+        pass.draw_indirect(&lists.args, Args::DRAW_OFFSET);
     }
 
     /// Adds to a pass the shading of all pixels.

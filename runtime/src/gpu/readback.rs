@@ -21,8 +21,13 @@ pub(super) struct Mapping {
 impl Readback {
     /// Adds to an encoder the copy of a whole buffer.
     pub fn of(device: &Device, encoder: &mut wgpu::CommandEncoder, source: &wgpu::Buffer) -> Self {
-        let readback = Self::empty(device, source.size());
-        encoder.copy_buffer_to_buffer(source, 0, &readback.buffer, 0, source.size());
+        Self::first(device, encoder, source, source.size())
+    }
+
+    /// Adds to an encoder the copy of a buffer's first bytes.
+    pub fn first(device: &Device, encoder: &mut wgpu::CommandEncoder, source: &wgpu::Buffer, bytes: u64) -> Self {
+        let readback = Self::empty(device, bytes);
+        encoder.copy_buffer_to_buffer(source, 0, &readback.buffer, 0, bytes);
         readback
     }
 

@@ -1,161 +1,121 @@
-//! The passes of `leb` on the GPU (protocol: `relief_shaders::leb`), and the uniform mesh.
+//! The passes of the schemes on the GPU; their protocols are those of `relief_shaders::leb` and
+//! `relief_shaders::paper`.
 
-use bytemuck::{Pod, Zeroable};
-use relief_shaders::kernels;
-use relief_shaders::leb::{Params, ReliefTriangle, Triangle};
-use relief_shaders::planet as shared;
-use wgpu::BufferUsages as Use;
+use relief_shaders::frame::uniform::UniformMesh;
+use relief_shaders::paper::{Control, patch};
+use relief_shaders::{kernels, leb, paper, planet as shared};
 
 use super::atlas::Atlas;
 use super::device::Device;
 use super::kernel::{self, Binding};
+use super::lists::{GROUP, Lists};
+use crate::frame::Scheme;
 
 /// Pipelines of the tessellation.
 pub(super) struct Tessellation {
-    lists: wgpu::BindGroupLayout,
-    steer: wgpu::BindGroupLayout,
+    /// Group 1 of the passes.
+    pub lists: wgpu::BindGroupLayout,
+    /// Group 0 of what runs between passes.
+    pub steer: wgpu::BindGroupLayout,
     cells: wgpu::BindGroupLayout,
-    start: wgpu::ComputePipeline,
-    pass: wgpu::ComputePipeline,
+    /// Start and pass of `leb`.
+    leb: [wgpu::ComputePipeline; 2],
+    /// Start and pass of `paper`.
+    paper: [wgpu::ComputePipeline; 2],
     args: wgpu::ComputePipeline,
     uniform: wgpu::ComputePipeline,
-}
-
-/// `struct LebControl` of `wgsl/lib/leb_lists.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub(super) struct Control {
-    pub count_in: u32,
-    pub count_out: u32,
-    pub relief: u32,
-    pub overflow: u32,
-    pub tested: u32,
-    pub culled: u32,
-    pub passes: u32,
-    pub horizon: u32,
-}
-
-/// `struct UniformMesh` of `wgsl/frame_uniform.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct UniformMesh {
-    level: u32,
-    columns: u32,
-    rows: u32,
-    padding: u32,
-}
-
-/// Lists and results of one view.
-pub(super) struct Lists {
-    /// Triangles that a pass may yield, and relief triangles.
-    pub capacity: [u32; 2],
-    params: wgpu::Buffer,
-    /// Three corners a triangle.
-    pub relief: wgpu::Buffer,
-    /// A [`Control`].
-    pub control: wgpu::Buffer,
-    /// Arguments: of an indirect dispatch, and of an indirect draw from byte 16 on.
-    pub args: wgpu::Buffer,
-    /// Reading one list and writing the other, and the other way round.
-    passes: [wgpu::BindGroup; 2],
-    steer: wgpu::BindGroup,
 }
 
 impl Tessellation {
     pub fn new(device: &Device) -> Self {
         use Binding::{Read, ReadWrite, Uniform};
         let pages = Atlas::layout(device);
-        let lists = kernel::layout(device, "leb", &[Uniform, Uniform, Read, ReadWrite, ReadWrite, ReadWrite]);
-        let steer = kernel::layout_for(
-            device,
-            "leb_args",
-            wgpu::ShaderStages::COMPUTE,
-            [(1, Uniform), (5, ReadWrite), (6, ReadWrite)],
-        );
-        let cells = kernel::layout(device, "frame_uniform", &[Uniform, ReadWrite]);
+        let lists = kernel::layout(device, "lists", &[Uniform, Uniform, Read, ReadWrite, ReadWrite, ReadWrite]);
+        let steer = kernel::layout(device, "steer", &[Uniform, ReadWrite, ReadWrite]);
+        let cells = kernel::layout(device, "cells", &[Uniform, ReadWrite]);
         let of = |name, source, groups: &[Option<&wgpu::BindGroupLayout>]| {
             let layout = kernel::pipeline_layout(device, groups);
             kernel::pipeline(device, &layout, &kernel::module(device, name, source), name)
         };
+        let pass = |name, source| of(name, source, &[Some(&pages), Some(&lists)]);
         Self {
-            start: of("leb_start", kernels::LEB_START, &[Some(&pages), Some(&lists)]),
-            pass: of("leb_pass", kernels::LEB_PASS, &[Some(&pages), Some(&lists)]),
-            args: of("leb_args", kernels::LEB_ARGS, &[None, Some(&steer)]),
-            uniform: {
-                let layout = kernel::pipeline_layout(device, &[Some(&pages), Some(&cells)]);
-                let module = kernel::module(device, "frame_uniform", kernels::FRAME_UNIFORM);
-                kernel::pipeline(device, &layout, &module, "uniform_mesh")
-            },
+            leb: [pass("leb_start", kernels::LEB_START), pass("leb_pass", kernels::LEB_PASS)],
+            paper: [pass("paper_start", kernels::PAPER_START), pass("paper_pass", kernels::PAPER_PASS)],
+            args: of("leb_args", kernels::LEB_ARGS, &[Some(&steer)]),
+            uniform: of("frame_uniform", kernels::FRAME_UNIFORM, &[Some(&pages), Some(&cells)]),
             lists,
             steer,
             cells,
         }
     }
 
-    /// Lists of a capacity, for a view whose uniform lies in `view`.
-    pub fn lists(&self, device: &Device, view: &wgpu::Buffer, capacity: [u32; 2]) -> Lists {
-        let [list, relief] = capacity.map(u64::from);
-        let bytes = list * size_of::<Triangle>() as u64;
-        let lists = [(); 2].map(|()| kernel::empty(device, "triangles", bytes, Use::STORAGE));
-        let relief =
-            kernel::empty(device, "relief triangles", relief * size_of::<ReliefTriangle>() as u64, Use::STORAGE);
-        let params = kernel::uniform(device, "leb parameters", &Params::default());
-        let control = kernel::empty(
-            device,
-            "leb control",
-            size_of::<Control>() as u64,
-            Use::STORAGE | Use::COPY_SRC | Use::COPY_DST,
-        );
-        let args = kernel::empty(device, "leb arguments", 32, Use::STORAGE | Use::INDIRECT | Use::COPY_DST);
-        let whole = wgpu::Buffer::as_entire_binding;
-        let passes = [[0, 1], [1, 0]].map(|[from, to]| {
-            let buffers = [view, &params, &lists[from], &lists[to], &relief, &control];
-            kernel::group(device, &self.lists, &buffers.map(whole))
-        });
-        let steer =
-            kernel::group_at(device, &self.steer, [(1, whole(&params)), (5, whole(&control)), (6, whole(&args))]);
-        Lists { capacity, params, relief, control, args, passes, steer }
-    }
-
-    /// Adds to a pass the bisection of a view. At most `passes` passes are run; whether that was
-    /// enough, [`Control::count_in`] says.
-    pub fn leb(
-        &self,
-        device: &Device,
-        pass: &mut wgpu::ComputePass<'_>,
-        atlas: &Atlas,
-        lists: &Lists,
-        (planet, view): (&shared::Planet, &shared::View),
-        passes: u32,
-    ) {
-        let params = Params::new(planet, view, lists.capacity[0], lists.capacity[1]);
-        device.queue().write_buffer(&lists.params, 0, bytemuck::bytes_of(&params));
-        let steer = |pass: &mut wgpu::ComputePass<'_>| {
-            pass.set_pipeline(&self.args);
-            pass.set_bind_group(1, &lists.steer, &[]);
-            pass.dispatch_workgroups(1, 1, 1);
-        };
-        pass.set_bind_group(0, atlas.group(), &[]);
-        pass.set_pipeline(&self.start);
-        pass.set_bind_group(1, &lists.passes[1], &[]);
-        pass.dispatch_workgroups(1, 1, 1);
-        steer(pass);
-        for n in 0..passes as usize {
-            pass.set_pipeline(&self.pass);
-            pass.set_bind_group(1, &lists.passes[n % 2], &[]);
-            pass.dispatch_workgroups_indirect(&lists.args, 0);
-            steer(pass);
+    /// The passes that surely suffice.
+    pub fn most_passes(planet: &shared::Planet, scheme: Scheme) -> u32 {
+        match scheme {
+            Scheme::Leb => leb::tessellate::PASSES,
+            Scheme::Paper => paper::tessellate::passes(planet),
+            Scheme::Uniform { .. } => 1,
         }
     }
 
-    /// Adds to a pass the uniform mesh of a level. Where the capacity is too small it is that of a
-    /// coarser one, and [`Control::overflow`] is set; the coarsest level's always fits.
-    pub fn uniform(
+    /// Adds to a pass the mesh of a view. At most `passes` passes are run; where that was too few,
+    /// `count_in` of the control is not 0.
+    pub fn encode(
         &self,
         device: &Device,
         pass: &mut wgpu::ComputePass<'_>,
-        atlas: &Atlas,
-        lists: &Lists,
+        (atlas, lists): (&Atlas, &Lists),
+        (planet, view): (&shared::Planet, &shared::View),
+        (scheme, passes): (Scheme, u32),
+    ) {
+        lists.set(device, planet, view);
+        lists.set_ready(device, &Control::default());
+        match scheme {
+            Scheme::Leb => self.bisect(pass, &self.leb, (atlas, lists), 1, passes),
+            Scheme::Paper => {
+                let groups = patch::start_count(planet).div_ceil(GROUP);
+                self.bisect(pass, &self.paper, (atlas, lists), groups, passes);
+            }
+            Scheme::Uniform { level } => self.uniform(device, pass, (atlas, lists), planet, level),
+        }
+    }
+
+    /// A start and then passes, each of which reads what the one before wrote.
+    fn bisect(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        [start, step]: &[wgpu::ComputePipeline; 2],
+        (atlas, lists): (&Atlas, &Lists),
+        start_groups: u32,
+        passes: u32,
+    ) {
+        pass.set_pipeline(start);
+        pass.set_bind_group(0, atlas.group(), &[]);
+        pass.set_bind_group(1, &lists.passes[1], &[]);
+        pass.dispatch_workgroups(start_groups, 1, 1);
+        self.steer(pass, lists);
+        for n in 0..passes as usize {
+            pass.set_pipeline(step);
+            pass.set_bind_group(0, atlas.group(), &[]);
+            pass.set_bind_group(1, &lists.passes[n % 2], &[]);
+            pass.dispatch_workgroups_indirect(&lists.args, 0);
+            self.steer(pass, lists);
+        }
+    }
+
+    fn steer(&self, pass: &mut wgpu::ComputePass<'_>, lists: &Lists) {
+        pass.set_pipeline(&self.args);
+        pass.set_bind_group(0, &lists.steer, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+    }
+
+    /// The uniform mesh of a level. Where the capacity is too small it is that of a coarser one, and
+    /// `overflow` is set; the coarsest level's always fits.
+    fn uniform(
+        &self,
+        device: &Device,
+        pass: &mut wgpu::ComputePass<'_>,
+        (atlas, lists): (&Atlas, &Lists),
         planet: &shared::Planet,
         level: u32,
     ) {
@@ -171,13 +131,11 @@ impl Tessellation {
         let level = (wanted..planet.root_level).find(|&level| fits(level)).unwrap_or(planet.root_level);
         let [columns, rows] = cells(level);
         let triangles = 2 * columns * rows;
-        let mesh = kernel::uniform(device, "uniform mesh", &UniformMesh { level, columns, rows, padding: 0 });
         let overflow = u32::from(level > wanted);
         let control = Control { relief: triangles, tested: triangles, overflow, passes: 1, ..Control::default() };
-        device.queue().write_buffer(&lists.control, 0, bytemuck::bytes_of(&control));
-        let args = [0u32, 0, 0, 0, 3 * triangles, 1, 0, 0];
-        device.queue().write_buffer(&lists.args, 0, bytemuck::cast_slice(&args));
-        let group = kernel::group(device, &self.cells, &[mesh.as_entire_binding(), lists.relief.as_entire_binding()]);
+        lists.set_ready(device, &control);
+        let mesh = kernel::uniform(device, "uniform mesh", &UniformMesh { level, columns, rows, padding: 0 });
+        let group = kernel::group(device, &self.cells, &[&mesh, &lists.relief].map(wgpu::Buffer::as_entire_binding));
         pass.set_pipeline(&self.uniform);
         pass.set_bind_group(0, atlas.group(), &[]);
         pass.set_bind_group(1, &group, &[]);

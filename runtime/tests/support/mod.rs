@@ -29,3 +29,28 @@ pub fn planet(sample: &Sample) -> Arc<Planet> {
     sample.write(&path);
     Planet::open(&path).unwrap()
 }
+
+/// The 32-bit texels of a texture whose rows are a multiple of 256 bytes.
+#[allow(dead_code, reason = "not every test reads textures")]
+pub fn read_words(device: &Device, texture: &wgpu::Texture, [width, height]: [u32; 2]) -> Vec<u32> {
+    let buffer = device.wgpu().create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(4 * width * height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None },
+        },
+        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+    );
+    device.queue().submit([encoder.finish()]);
+    buffer.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
+    device.wait().unwrap();
+    let view = buffer.get_mapped_range(..).unwrap();
+    bytemuck::pod_collect_to_vec(&view)
+}

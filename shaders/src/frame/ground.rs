@@ -51,11 +51,22 @@ fn height_near_m(pages: &Pages<'_>, level: u32, s: u32, t: u32, home: TilePlace,
     pages.height_m(level, s, t)
 }
 
+/// The level of the finest page at `level` or coarser. The page is asked for; all above it then
+/// count as used.
+fn finest_level(pages: &Pages<'_>, level: u32, s: u32, t: u32) -> u32 {
+    let first = pages.place(level, s, t);
+    pages.ask(level, first.x, first.y);
+    let here = |k: &u32| {
+        let at = pages.place(*k, s, t);
+        pages.find(*k, at.x, at.y) != NONE
+    };
+    (level..pages.planet.root_level).find(here).unwrap_or(pages.planet.root_level)
+}
+
 /// Height and slope of S_level.
 #[must_use]
 pub fn ground(pages: &Pages<'_>, level: u32, s: u32, t: u32, per_unit: [f32; 2]) -> Ground {
     let home = pages.place(level, s, t);
-    pages.ask(level, home.x, home.y);
     let page = pages.find(level, home.x, home.y);
     let step_t = 1u32 << (31 - pages.planet.m + level);
     let step_s = (step_t as f32 * (per_unit[1] / per_unit[0])).min(5.368_709e8) as u32;
@@ -76,13 +87,15 @@ pub fn ground(pages: &Pages<'_>, level: u32, s: u32, t: u32, per_unit: [f32; 2])
     }
 }
 
-/// Height and slope between two levels.
+/// Height and slope between two levels; where the finer one is not at hand, those of the finest
+/// that is.
 #[must_use]
 pub fn ground_between(pages: &Pages<'_>, level: f32, s: u32, t: u32, per_unit: [f32; 2]) -> Ground {
-    let fine = level as u32;
-    let share = level - fine as f32;
+    let wanted = level as u32;
+    let share = level - wanted as f32;
+    let fine = finest_level(pages, wanted, s, t);
     let a = ground(pages, fine, s, t, per_unit);
-    if share == 0.0 {
+    if share == 0.0 || fine > wanted || fine == pages.planet.root_level {
         return a;
     }
     let b = ground(pages, fine + 1, s, t, per_unit);

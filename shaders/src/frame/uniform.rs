@@ -1,9 +1,24 @@
 //! The mesh without adaptation: all cells of a level. What adaptive schemes are measured against.
 
+use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
 use crate::leb::{Corner, ReliefTriangle};
 use crate::pages::Pages;
+
+/// Which mesh: `struct UniformMesh` of `wgsl/frame_uniform.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct UniformMesh {
+    /// The level.
+    pub level: u32,
+    /// Its columns of cells.
+    pub columns: u32,
+    /// Its rows of cells.
+    pub rows: u32,
+    /// Zero.
+    pub padding: u32,
+}
 
 /// Two triangles for each cell of `level` (one for a cell at a pole), the whole map, heights from
 /// the finest page at `level` or coarser.

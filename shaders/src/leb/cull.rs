@@ -16,7 +16,7 @@ use crate::planet::View;
 #[must_use]
 pub fn hidden(view: &View, params: &Params, node: &Node, region: &Region, horizon: bool) -> bool {
     let radius = region.radius_m(params, node.half_hypotenuse());
-    outside(view, region.centre_m, radius) || horizon && behind_horizon(view, params, region, radius)
+    outside(view, region.centre_m, radius) || horizon && behind_horizon(params, region, radius)
 }
 
 /// True when a ball lies outside one of the five planes.
@@ -29,7 +29,7 @@ fn outside(view: &View, centre_m: [f32; 3], radius_m: f32) -> bool {
 
 /// True when a ball lies behind the horizon, seen in the frame where the hiding ellipsoid is the
 /// unit sphere.
-fn behind_horizon(_view: &View, params: &Params, region: &Region, radius_m: f32) -> bool {
+fn behind_horizon(params: &Params, region: &Region, radius_m: f32) -> bool {
     if params.horizon == 0 {
         return false;
     }

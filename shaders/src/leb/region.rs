@@ -75,9 +75,9 @@ pub fn interval_m(pages: &Pages<'_>, node: &Node) -> [f32; 2] {
     let blocks_x = [west >> shift, east.wrapping_sub(1) >> shift];
     let blocks_y = [south >> shift, (north - 1) >> shift];
     let mut out = [f32::INFINITY, f32::NEG_INFINITY];
-    for y in 0..=usize::from(blocks_y[1] != blocks_y[0]) {
-        for x in 0..=usize::from(blocks_x[1] != blocks_x[0]) {
-            let [low, high] = block_m(pages, level, blocks_x[x], blocks_y[y]);
+    for &y in &blocks_y[usize::from(blocks_y[1] == blocks_y[0])..] {
+        for &x in &blocks_x[usize::from(blocks_x[1] == blocks_x[0])..] {
+            let [low, high] = block_m(pages, level, x, y);
             out = [out[0].min(low), out[1].max(high)];
         }
     }

@@ -27,18 +27,15 @@
 //! n_px is no bound of the error (the prism is measured at few places); scheme `leb` has that.
 //!
 //! # On the GPU
-//! `paper_start` and `paper_pass` do the same, and `leb_args` of scheme `leb` steers both schemes.
-//! Group 0 is the pages'. Group 1: 0 uniform [`View`](crate::planet::View), 1 uniform
-//! [`Params`](crate::leb::Params), 2 the list that is read, 3 the list that is written (each
-//! `list_capacity` [`Patch`]es), 4 the relief triangles (`relief_capacity` times 48 bytes; see
-//! [`ReliefTriangle`](crate::leb::ReliefTriangle)), 5 [`Control`], and for `leb_args` alone 6 its
-//! arguments. The host
-//! 1. fills the control with zeros and dispatches `paper_start` with
+//! `paper_start` and `paper_pass` do the same, and `leb_args` steers both schemes. The groups are those
+//! of [`crate::leb`], with lists of [`Patch`]es and this scheme's [`Control`], whose first words
+//! are those of the other's. The host
+//! 1. fills the control with zeros and dispatches `paper_start`, which writes list A, with
 //!    [`start_count`](patch::start_count) / 64 groups, rounded up;
 //! 2. dispatches `leb_args`, one group;
-//! 3. [`passes`](tessellate::passes) times: swaps the lists, dispatches `paper_pass` indirectly by
-//!    the arguments' first three words, then `leb_args`;
-//! 4. draws indirectly by the arguments' last four words.
+//! 3. [`passes`] times: `paper_pass` (indirect), reading A and writing B, then B and A by turns, each
+//!    followed by `leb_args`;
+//! 4. draws indirectly as there.
 //!
 //! The order of triangles differs from run to run, their set does not. A list that is full sets
 //! `overflow`; nothing is written beyond it.
@@ -51,4 +48,4 @@ pub mod tessellate;
 
 pub use control::Control;
 pub use patch::Patch;
-pub use tessellate::{Drawn, Stats, tessellate};
+pub use tessellate::{Drawn, Stats, passes, tessellate};

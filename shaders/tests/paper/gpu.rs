@@ -2,10 +2,9 @@
 
 use bytemuck::Pod;
 use relief_shaders::kernels::{LEB_ARGS, PAPER_PASS, PAPER_START};
-use relief_shaders::leb::{Params, ReliefTriangle};
+use relief_shaders::leb::{Args, Params, ReliefTriangle};
 use relief_shaders::paper::patch::start_count;
-use relief_shaders::paper::tessellate::passes;
-use relief_shaders::paper::{Control, Patch};
+use relief_shaders::paper::{Control, Patch, passes};
 use relief_shaders::planet::View;
 use wgpu::BufferUsages as Use;
 
@@ -16,6 +15,7 @@ pub struct Gpu {
     queue: wgpu::Queue,
     pages: wgpu::BindGroupLayout,
     lists: wgpu::BindGroupLayout,
+    steer: wgpu::BindGroupLayout,
     start: wgpu::ComputePipeline,
     pass: wgpu::ComputePipeline,
     args: wgpu::ComputePipeline,
@@ -44,15 +44,16 @@ impl Gpu {
             wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..wgpu::DeviceDescriptor::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
         let pages = layout(&device, &[At::Uniform, At::Read, At::Read, At::Read, At::Write]);
-        let lists = layout(&device, &[At::Uniform, At::Uniform, At::Read, At::Write, At::Write, At::Write, At::Write]);
-        let pipeline = |source: &'static str, entry: &str| {
+        let lists = layout(&device, &[At::Uniform, At::Uniform, At::Read, At::Write, At::Write, At::Write]);
+        let steer = layout(&device, &[At::Uniform, At::Write, At::Write]);
+        let pipeline = |source: &'static str, entry: &str, groups: &[Option<&wgpu::BindGroupLayout>]| {
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(entry),
                 source: wgpu::ShaderSource::Wgsl(source.into()),
             });
             let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,
-                bind_group_layouts: &[Some(&pages), Some(&lists)],
+                bind_group_layouts: groups,
                 immediate_size: 0,
             });
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -64,9 +65,11 @@ impl Gpu {
                 cache: None,
             })
         };
-        let (start, pass) = (pipeline(PAPER_START, "paper_start"), pipeline(PAPER_PASS, "paper_pass"));
-        let args = pipeline(LEB_ARGS, "leb_args");
-        Some(Self { device, queue, pages, lists, start, pass, args })
+        let groups = [Some(&pages), Some(&lists)];
+        let start = pipeline(PAPER_START, "paper_start", &groups);
+        let pass = pipeline(PAPER_PASS, "paper_pass", &groups);
+        let args = pipeline(LEB_ARGS, "leb_args", &[Some(&steer)]);
+        Some(Self { start, pass, args, device, queue, pages, lists, steer })
     }
 
     /// The triangles in the order of their places, and the counts.
@@ -80,34 +83,32 @@ impl Gpu {
             self.buffer(&seen, Use::STORAGE),
         ];
         let pages = self.group(&self.pages, &pages.each_ref());
-        let uniforms = (self.buffer(&[*view], Use::UNIFORM), self.buffer(&[*params], Use::UNIFORM));
+        let eye = self.buffer(&[*view], Use::UNIFORM);
+        let limits = self.buffer(&[*params], Use::UNIFORM);
         // One more than the capacity, to see that nothing is written there.
         let list = || self.buffer(&vec![Patch::default(); params.list_capacity as usize + 1], Use::STORAGE);
         let lists = [list(), list()];
         let relief = self.buffer(&vec![ReliefTriangle::default(); params.relief_capacity as usize + 1], Use::STORAGE);
         let control = self.buffer(&[Control::default()], Use::STORAGE);
-        let args = self.buffer(&[0u32; 8], Use::STORAGE | Use::INDIRECT);
-        // A pass may not write the arguments that steer it: each kernel has its own group.
-        let spare = self.buffer(&[0u32; 8], Use::STORAGE);
-        let group = |read: usize, args: &wgpu::Buffer| {
-            let (view, params) = (&uniforms.0, &uniforms.1);
-            self.group(&self.lists, &[view, params, &lists[read], &lists[1 - read], &relief, &control, args])
-        };
-        let groups = [group(0, &spare), group(1, &spare)];
-        let steer = group(0, &args);
+        let args = self.buffer(&[Args::default()], Use::STORAGE | Use::INDIRECT);
+        let group =
+            |read: usize| self.group(&self.lists, &[&eye, &limits, &lists[read], &lists[1 - read], &relief, &control]);
+        let groups = [group(0), group(1)];
+        let steer = self.group(&self.steer, &[&limits, &control, &args]);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_bind_group(0, &pages, &[]);
-            pass.set_bind_group(1, &groups[0], &[]);
+            pass.set_bind_group(1, &groups[1], &[]);
             pass.set_pipeline(&self.start);
             pass.dispatch_workgroups(start_count(&set.planet).div_ceil(64), 1, 1);
             for n in 0..=passes(&set.planet) {
-                pass.set_bind_group(1, &steer, &[]);
+                pass.set_bind_group(0, &steer, &[]);
                 pass.set_pipeline(&self.args);
                 pass.dispatch_workgroups(1, 1, 1);
                 if n < passes(&set.planet) {
-                    pass.set_bind_group(1, &groups[(n as usize + 1) % 2], &[]);
+                    pass.set_bind_group(0, &pages, &[]);
+                    pass.set_bind_group(1, &groups[n as usize % 2], &[]);
                     pass.set_pipeline(&self.pass);
                     pass.dispatch_workgroups_indirect(&args, 0);
                 }

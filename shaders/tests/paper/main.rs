@@ -2,6 +2,8 @@
 //! fillers, positions exact, nothing visible culled; its error is measured and reported. Planets,
 //! cameras and the check of edges are those of scheme `leb`.
 
+#![allow(clippy::unwrap_used, reason = "a test ends at the first thing that goes wrong")]
+
 #[allow(dead_code, reason = "not all of it is used here")]
 #[path = "../tessellation/camera.rs"]
 mod camera;

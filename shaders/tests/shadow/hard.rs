@@ -1,9 +1,9 @@
 //! The hard cases of DESIGN section 8, each against the oracle: exact starts, exact directions.
 
 use crate::compare::{Cast, Random, check, ray_count, sun};
-use crate::oracle::World;
 use crate::worlds::{earth, fractal_globe, fractal_plane, mars, moon, real_earth, world};
 use relief_formats::geodesy::Ellipsoid;
+use relief_shaders::oracle::World;
 
 /// Nodes at random in rows, with suns from a list of azimuths.
 fn casts(

@@ -7,7 +7,6 @@
 mod compare;
 mod gpu;
 mod hard;
-mod oracle;
 mod page_set;
 mod paged;
 mod plane;

@@ -6,8 +6,8 @@ use relief_shaders::pages::{BLOCKS, BOUND_WORDS, HEIGHT_WORDS, NODES, NONE, PROB
 use relief_shaders::planet::Planet;
 use relief_shaders::shadow::Relief;
 
-use crate::oracle::World;
 use crate::worlds::{dense, planet};
+use relief_shaders::oracle::World;
 
 pub struct PageSet {
     pub planet: Planet,

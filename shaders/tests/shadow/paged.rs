@@ -6,9 +6,9 @@ use relief_shaders::pages::{key, unkey};
 use relief_shaders::shadow::{ShadowWindow, WindowCounts, shadow_mask, shadow_mask_of};
 
 use crate::compare::sun;
-use crate::oracle::World;
 use crate::page_set::PageSet;
 use crate::worlds::{dense, earth, fractal_globe, fractal_plane, moon};
+use relief_shaders::oracle::World;
 
 /// A window of a world with its sun: on a plane by azimuth and elevation, on a globe the unit
 /// vector of longitude and latitude, degrees.

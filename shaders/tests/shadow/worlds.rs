@@ -5,7 +5,7 @@ use relief_formats::geodesy::Ellipsoid;
 use relief_shaders::planet::Planet;
 use relief_shaders::shadow::dense::Dense;
 
-use crate::oracle::World;
+use relief_shaders::oracle::World;
 
 pub fn earth() -> Option<Ellipsoid> {
     Ellipsoid::of(&Body::earth())

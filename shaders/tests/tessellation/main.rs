@@ -8,6 +8,7 @@ mod breaches;
 mod camera;
 mod checks;
 mod deviation;
+mod file_pages;
 mod gpu;
 mod layouts;
 mod nested;

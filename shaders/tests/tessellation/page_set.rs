@@ -1,13 +1,9 @@
 //! Pages in memory, filled from a test planet as the residency would.
 
-use std::collections::HashMap;
+#![allow(clippy::unwrap_used, reason = "a test ends at the first thing that goes wrong")]
+
 use std::sync::atomic::AtomicU32;
 
-use relief_formats::derive::crown;
-use relief_formats::file::Relief;
-use relief_formats::grid::Grid;
-use relief_formats::tile::TileKey;
-use relief_formats::tiles::Tiles;
 use relief_shaders::pages::{BLOCKS, BOUND_WORDS, HEIGHT_WORDS, NODES, NONE, PROBES, Pages, USABLE, hash, key};
 use relief_shaders::planet::Planet;
 
@@ -28,8 +24,8 @@ pub enum Fault {
     None,
     /// Deviations of single nodes, not of all below them.
     Unsaturated,
-    /// Deviations a quarter of what they are.
-    Quartered,
+    /// No deviations.
+    Forgotten,
 }
 
 impl PageSet {
@@ -65,48 +61,8 @@ impl PageSet {
         set
     }
 
-    /// Pages of a file's tiles, as its reader gives them.
-    pub fn of_file(planet: &TestPlanet, relief: &Relief) -> Self {
-        let (tiles, grid, root) = (Tiles::new(relief, 0), relief.grid(), relief.grid().root_level());
-        let mut set = Self::empty(planet);
-        let crown = crown_codes(&tiles);
-        let mut bounds: HashMap<TileKey, Vec<[f32; 2]>> = HashMap::new();
-        let metres = |q: i32| (f64::from(q) * relief.step_m()) as f32;
-        for level in (0..=root).rev() {
-            for (x, y) in (0..grid.tiles_y(level)).flat_map(|y| (0..grid.tiles_x(level)).map(move |x| (x, y))) {
-                let tile = TileKey::new(level, x, y);
-                let slot = set.slots();
-                set.heights.extend(tiles.nodes(tile).unwrap().iter().map(|&q| metres(q)));
-                let mut extremes: Vec<[f32; 2]> =
-                    tiles.extremes(tile).unwrap().iter().map(|e| [metres(e.min), metres(e.max)]).collect();
-                if level < root {
-                    // A file rounds each level outwards by itself; intervals must nest.
-                    let (parent, (east, north)) = (&bounds[&tile.parent()], tile.quadrant());
-                    for (k, own) in extremes.iter_mut().enumerate() {
-                        let around = parent[(k / 256 + 64 * north) * 128 + k % 128 / 2 + 64 * east];
-                        *own = [own[0].max(around[0]), own[1].min(around[1])];
-                    }
-                }
-                set.bounds.extend(extremes.iter().flatten().map(|v| v.to_bits()));
-                let codes = match level == root {
-                    true => (0..NODES * NODES)
-                        .map(|k| {
-                            crown[(k / NODES * crown_columns(grid) + (256 * x + k % NODES) % crown_columns(grid))
-                                as usize]
-                        })
-                        .collect(),
-                    false => tiles.deviations(tile).unwrap().unwrap(),
-                };
-                set.push_codes(codes.into_iter().map(u32::from));
-                set.insert(key(level, x, y), USABLE | slot);
-                bounds.insert(tile, extremes);
-            }
-        }
-        set
-    }
-
     /// Pages none.
-    fn empty(planet: &TestPlanet) -> Self {
+    pub fn empty(planet: &TestPlanet) -> Self {
         Self {
             planet: Planet { table_bits: 10, seen_bits: 10, ..planet.planet() },
             table: vec![[NONE, NONE]; 1 << 10],
@@ -116,11 +72,11 @@ impl PageSet {
         }
     }
 
-    fn slots(&self) -> u32 {
+    pub fn slots(&self) -> u32 {
         self.heights.len() as u32 / HEIGHT_WORDS
     }
 
-    fn push_codes(&mut self, codes: impl Iterator<Item = u32>) {
+    pub fn push_codes(&mut self, codes: impl Iterator<Item = u32>) {
         let codes: Vec<u32> = codes.collect();
         for four in codes.chunks(4) {
             self.bounds.push(four.iter().rev().fold(0, |word, code| word << 8 | code));
@@ -138,7 +94,7 @@ impl PageSet {
         }
     }
 
-    fn insert(&mut self, key: u32, word: u32) {
+    pub fn insert(&mut self, key: u32, word: u32) {
         let mut at = hash(key, self.planet.table_bits) as usize;
         for _ in 0..PROBES {
             if self.table[at][0] == NONE {
@@ -175,7 +131,7 @@ impl PageSet {
                 let columns = if planet.plane { columns >> up | 1 } else { columns >> up };
                 let deviation =
                     devs.get((k + up) as usize).map_or(0.0, |d| d[((j >> up) * columns + i) as usize]) / planet.step_m;
-                let deviation = if fault == Fault::Quartered { deviation / 4.0 } else { deviation };
+                let deviation = if fault == Fault::Forgotten { 0.0 } else { deviation };
                 codes[(r * NODES + c) as usize] = code(deviation);
             }
         }
@@ -189,28 +145,6 @@ impl PageSet {
         self.push_codes(codes.into_iter());
         slot
     }
-}
-
-/// Columns of nodes of the coarsest level.
-fn crown_columns(grid: Grid) -> u32 {
-    crown::columns(grid) as u32
-}
-
-/// Codes of the coarsest level's nodes with those of the levels above, row by row.
-fn crown_codes(tiles: &Tiles<'_>) -> Vec<u8> {
-    let grid = tiles.relief().grid();
-    let columns = crown_columns(grid) as usize;
-    let (mut nodes, mut codes) = (vec![0; crown::ROWS * columns], vec![0; crown::ROWS * columns]);
-    for x in 0..grid.tiles_x(grid.root_level()) {
-        let tile = TileKey::new(grid.root_level(), x, 0);
-        let (tile_nodes, tile_codes) = (tiles.nodes(tile).unwrap(), tiles.deviations(tile).unwrap().unwrap());
-        for k in 0..(NODES * NODES) as usize {
-            let at = k / 257 * columns + (x as usize * 256 + k % 257) % columns;
-            (nodes[at], codes[at]) = (tile_nodes[k], tile_codes[k]);
-        }
-    }
-    crown::crown(grid, &nodes, &mut codes);
-    codes
 }
 
 /// The smallest code not below a deviation in steps (SPEC, "Deviations").

@@ -81,6 +81,8 @@ impl<'a> Scene<'a> {
 pub struct Finder<'a> {
     plane: bool,
     drawn: HashMap<[u32; 4], &'a ReliefTriangle>,
+    /// Edges that end at a pole: (pole's T, S and T of the other end), and the corners.
+    polar: HashMap<[u32; 3], [Corner; 2]>,
 }
 
 impl<'a> Finder<'a> {
@@ -89,17 +91,29 @@ impl<'a> Finder<'a> {
             let half = |a: u32, b: u32| a.wrapping_add((b.wrapping_sub(a) as i32 >> 1) as u32);
             [half(t[1].s, t[2].s), half(t[1].t, t[2].t), t[0].s, t[0].t]
         };
-        Self { plane: planet.plane, drawn: triangles.iter().map(|t| (name(t), t)).collect() }
+        let mut polar = HashMap::new();
+        for triangle in triangles.iter().filter(|_| !planet.plane) {
+            for (a, b) in (0..3).flat_map(|k| [(k, (k + 1) % 3), ((k + 1) % 3, k)]) {
+                if is_pole(triangle[a].t) {
+                    polar.insert([triangle[a].t, triangle[b].s, triangle[b].t], [triangle[a], triangle[b]]);
+                }
+            }
+        }
+        Self { plane: planet.plane, drawn: triangles.iter().map(|t| (name(t), t)).collect(), polar }
     }
 
-    /// The drawn triangle over (S, T), if any.
-    pub fn find(&self, s: f64, t: f64) -> Option<&'a ReliefTriangle> {
+    /// The drawn triangle over (S, T), if any. One with two corners at the same pole is not drawn: it
+    /// is the line in which its neighbours meet.
+    pub fn find(&self, s: f64, t: f64) -> Option<ReliefTriangle> {
         let count = triangle::start_count(self.plane);
         let mut at: Triangle = (0..count).map(|i| triangle::start(self.plane, i)).find(|c| covers(c, s, t))?;
         loop {
             let [apex, ..] = at.corners();
             if let Some(found) = self.drawn.get(&[at.s, at.t, apex[0], apex[1]]) {
-                return Some(found);
+                return Some(**found);
+            }
+            if let Some(line) = self.polar_line(&at) {
+                return Some(line);
             }
             if !at.divisible() {
                 return None;
@@ -108,6 +122,19 @@ impl<'a> Finder<'a> {
             at = if covers(&a, s, t) { a } else { b };
         }
     }
+
+    /// A triangle with two corners at the same pole, if the line that it is was drawn.
+    fn polar_line(&self, triangle: &Triangle) -> Option<ReliefTriangle> {
+        let corners = triangle.corners();
+        let [other] = (0..3).filter(|&k| !is_pole(corners[k][1])).collect::<Vec<_>>()[..] else { return None };
+        let pole = corners[(other + 1) % 3][1];
+        let [end, far] = self.polar.get(&[pole, corners[other][0], corners[other][1]]).filter(|_| !self.plane)?;
+        Some([0, 1, 2].map(|k| if k == other { *far } else { Corner { s: corners[k][0], ..*end } }))
+    }
+}
+
+fn is_pole(t: u32) -> bool {
+    t == 0 || t == 1 << 31
 }
 
 /// Weights of (S, T) among a triangle's corners.

@@ -1,5 +1,5 @@
 // Whether a patch is split: Algorithm 3 of paper 000. Twin: src/paper/decide.rs.
-// use: angle pages position leb_params leb_active paper_patch paper_extent
+// use: angle pages position leb_view leb_active paper_patch paper_extent
 
 struct Prism {
     above_m: f32,

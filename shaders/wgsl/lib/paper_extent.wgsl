@@ -1,5 +1,5 @@
 // Where the relief over a patch lies, and whether it may be seen. Twin: src/paper/extent.rs.
-// use: pages position leb_params leb_region leb_cull paper_patch
+// use: pages position leb_view leb_region leb_cull paper_patch
 
 fn square_interval_m(p: Patch) -> vec2<f32> {
     let o = patch_midpoint(p, 1u);

@@ -34,9 +34,22 @@ fn height_near_m(level: u32, s: u32, t: u32, home: TilePlace, page: u32) -> f32 
     return height_m(level, s, t);
 }
 
+// The level of the finest page at `level` or coarser. The page is asked for; all above it then count
+// as used.
+fn finest_level(level: u32, s: u32, t: u32) -> u32 {
+    let first = tile_place(level, s, t);
+    ask_page(level, first.x, first.y);
+    for (var k = level; k < planet.root_level; k++) {
+        let at = tile_place(k, s, t);
+        if find_page(k, at.x, at.y) != NONE {
+            return k;
+        }
+    }
+    return planet.root_level;
+}
+
 fn ground(level: u32, s: u32, t: u32, per_unit: vec2<f32>) -> Ground {
     let home = tile_place(level, s, t);
-    ask_page(level, home.x, home.y);
     let page = find_page(level, home.x, home.y);
     let step_t = 1u << (31u - planet.m + level);
     let step_s = u32(min(f32(step_t) * (per_unit.y / per_unit.x), 5.368709e8));
@@ -58,10 +71,11 @@ fn ground(level: u32, s: u32, t: u32, per_unit: vec2<f32>) -> Ground {
 }
 
 fn ground_between(level: f32, s: u32, t: u32, per_unit: vec2<f32>) -> Ground {
-    let fine = u32(level);
-    let share = level - f32(fine);
+    let wanted = u32(level);
+    let share = level - f32(wanted);
+    let fine = finest_level(wanted, s, t);
     let a = ground(fine, s, t, per_unit);
-    if share == 0.0 {
+    if share == 0.0 || fine > wanted || fine == planet.root_level {
         return a;
     }
     let b = ground(fine + 1u, s, t, per_unit);

@@ -1,1 +1,60 @@
-fn main() {}
+//! `reliefd`: the command line. Exit code 0: good; 1: ran and found something; 2: could not run.
+
+mod backend;
+mod errors;
+mod light;
+mod mask;
+mod output;
+mod probe;
+mod render;
+mod report;
+mod typed;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use relief_front::error::ToolError;
+
+/// Planet-scale terrain, served at once: frames, meshes, shadows and heights of a .relief file.
+///
+/// Exit code 0: good; 1: the command ran and found something; 2: it could not run.
+#[derive(Parser)]
+#[command(name = "reliefd", version, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Render(render::Args),
+    Mask(mask::Args),
+    Report(report::Args),
+    Probe(probe::Args),
+}
+
+/// How a command that could run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    /// Exit code 0.
+    Good,
+    /// Exit code 1: the command ran and found something.
+    Found,
+}
+
+fn main() -> ExitCode {
+    let result: Result<Outcome, ToolError> = match Cli::parse().command {
+        Command::Render(args) => render::run(&args),
+        Command::Mask(args) => mask::run(&args),
+        Command::Report(args) => report::run(&args),
+        Command::Probe(args) => probe::run(&args),
+    };
+    match result {
+        Ok(Outcome::Good) => ExitCode::SUCCESS,
+        Ok(Outcome::Found) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("reliefd: {error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -7,7 +7,9 @@ use relief_formats::geodesy::{Ellipsoid, Geodetic};
 
 /// Heights at the nodes of a map, and what it lies on.
 pub struct World {
+    /// What it is.
     pub name: &'static str,
+    /// The map exponent.
     pub m: u32,
     /// None: a plane.
     pub ellipsoid: Option<Ellipsoid>,
@@ -27,11 +29,14 @@ pub struct Margin {
 }
 
 impl Margin {
-    /// Half the width of the band in which a kernel may differ (DESIGN section 10).
+    /// Half the width of the band in which a kernel may differ (DESIGN section 10), radians.
+    #[must_use]
     pub fn tolerance_rad(&self) -> f64 {
         1e-4 + 0.002 / self.distance_m
     }
 
+    /// True within the band.
+    #[must_use]
     pub fn is_inside(&self) -> bool {
         self.angle_rad.abs() <= self.tolerance_rad()
     }
@@ -65,14 +70,20 @@ struct At {
 }
 
 impl World {
+    /// Rows of cells.
+    #[must_use]
     pub fn rows(&self) -> usize {
         1 << self.m
     }
 
+    /// Columns of cells.
+    #[must_use]
     pub fn columns(&self) -> usize {
         self.rows() << u32::from(self.ellipsoid.is_some())
     }
 
+    /// The greatest height, metres.
+    #[must_use]
     pub fn max_m(&self) -> f64 {
         self.nodes_m.iter().fold(f32::NEG_INFINITY, |a, &b| a.max(b)).into()
     }
@@ -92,7 +103,8 @@ impl World {
         [f64::from(s) / unit, f64::from(t) / unit]
     }
 
-    /// S_0 at fixed-point (S, T).
+    /// S_0 at fixed-point (S, T), metres.
+    #[must_use]
     pub fn height_m(&self, s: u32, t: u32) -> f64 {
         let [x, y] = self.cells(s, t);
         let i = (x as i64).min(self.columns() as i64 - 1);
@@ -164,7 +176,14 @@ impl World {
 
     /// The margin of a ray from S_0 at (S, T) towards the sun (east, north, up), exact while it is
     /// within `range_rad`; beyond, only its sign and its being beyond are.
+    #[must_use]
     pub fn margin(&self, s: u32, t: u32, sun: [f64; 3], range_rad: f64) -> Margin {
+        self.margin_under(self.max_m(), s, t, sun, range_rad)
+    }
+
+    /// [`World::margin`] for callers with many rays, who know the greatest height.
+    #[must_use]
+    pub fn margin_under(&self, max_m: f64, s: u32, t: u32, sun: [f64; 3], range_rad: f64) -> Margin {
         let line = self.line(s, t, sun);
         if sun[0].hypot(sun[1]) < 1e-9 {
             return Margin { angle_rad: -sun[2] * FRAC_PI_2, distance_m: 1.0 };
@@ -173,7 +192,7 @@ impl World {
             Some(ellipsoid) => ellipsoid.a_m * PI / self.rows() as f64,
             None => self.spacing_m[0].min(self.spacing_m[1]),
         };
-        let (max_m, columns, rows) = (self.max_m(), self.columns() as i64, self.rows() as i64);
+        let (columns, rows) = (self.columns() as i64, self.rows() as i64);
         let plane = self.ellipsoid.is_none();
         let near_m = 0.01 * cell_m;
         // The cell is that of a point a hair ahead, nearer than which no border is told apart.

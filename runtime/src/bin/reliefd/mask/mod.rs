@@ -1,0 +1,184 @@
+//! `reliefd mask`: how much of the sun every node sees.
+
+mod cast;
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use chrono::{DateTime, Utc};
+use relief_front::error::ToolError;
+use relief_front::publish::publish;
+use relief_front::stdout::print;
+use relief_front::window::{Bounds, Rectangle, Samples};
+use relief_runtime::geotiff::{Georeference, sidecar, write_mask};
+use relief_runtime::planet::Planet;
+use relief_runtime::view::SUN_RADIUS_DEG;
+
+use self::cast::Caster;
+use crate::Outcome;
+use crate::errors::open;
+use crate::light::{Light, SunArgs};
+use crate::output::{check_name, extension, write_grey_png};
+use crate::typed::{TimesArg, plain};
+
+/// Shadows: how much of the sun every node of a level sees
+#[derive(Debug, clap::Args)]
+#[command(
+    long_about = "Shadows: how much of the sun every node of a level sees.\n\n\
+        Values are 0 in shadow and 255 in the light, between on a soft edge. A GeoTIFF lies exactly where \
+        `relief-bake export` puts the same level and window: the pixels' centres are the nodes. A CRS without \
+        an EPSG code goes into MASK.tif.aux.xml, which GDAL reads. The rays are straight, above the curved body. Outputs that exist are replaced.",
+    after_long_help = "With --times the outputs are MASK_TIME.tif, TIME as 20260621T120000Z.\n\n\
+        Examples:\n  reliefd mask earth.relief --time 2026-06-21T03:30:00Z --window 80,25,95,35 -o himalaya.tif\n  \
+        reliefd mask moon.relief --sun 90,-1.5 --level 2 --soft -o moon.png\n  \
+        reliefd mask map.relief --sun 135,10 -o map.tif\n  \
+        reliefd mask earth.relief --times 2026-06-21T00:00:00Z,2026-06-21T06:00:00Z,30min --level 3 -o day.tif"
+)]
+pub struct Args {
+    /// The .relief file
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    #[command(flatten)]
+    sun: SunArgs,
+    /// A mask for each time from FROM to TO (RFC 3339), STEP as 30s, 15min, 1h or 1d
+    #[arg(long, value_name = "FROM,TO,STEP", conflicts_with_all = ["sun", "time"])]
+    times: Option<TimesArg>,
+    /// Level of the nodes; 0 is the finest
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    level: u32,
+    /// Part of the map: degrees (a plane: CRS units); east may lie beyond the antimeridian
+    #[arg(long, value_name = "W,S,E,N", allow_hyphen_values = true)]
+    window: Option<Bounds>,
+    /// Soft edges: the sun is a disk, not a point
+    #[arg(long)]
+    soft: bool,
+    /// What to write: .tif for a GeoTIFF, .png for a picture
+    #[arg(short, long, value_name = "MASK.tif|png")]
+    output: PathBuf,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// What kept it from running.
+pub fn run(args: &Args) -> Result<Outcome, ToolError> {
+    check_name("--output", &args.output, &["tif", "tiff", "png"])?;
+    let planet = open(&args.file)?;
+    let lights = lights(args, &planet)?;
+    let (samples, rectangle) = rectangle(args, &planet)?;
+    let caster = Caster::new(Arc::clone(&planet), &args.file, args.level)?;
+    let radius_deg = if args.soft { SUN_RADIUS_DEG } else { 0.0 };
+    for light in &lights {
+        let mask = caster.mask(&light.sun, radius_deg, rectangle);
+        let path = match (&args.times, light.time) {
+            (Some(_), Some(time)) => stamped(&args.output, time),
+            _ => args.output.clone(),
+        };
+        write(args, &path, &planet, light, (&samples, rectangle), &mask)?;
+        let lit = mask.iter().map(|&v| u64::from(v)).sum::<u64>() as f64 / 2.55 / mask.len() as f64;
+        let Rectangle { columns, rows, .. } = rectangle;
+        print(&format!("{}: {columns} x {rows} nodes of level {}, {lit:.2} % lit\n", path.display(), args.level))?;
+    }
+    Ok(Outcome::Good)
+}
+
+fn lights(args: &Args, planet: &Planet) -> Result<Vec<Light>, ToolError> {
+    if let Some(TimesArg(times)) = &args.times {
+        return times.iter().map(|&time| Light::at(planet, time)).collect();
+    }
+    args.sun.light(planet)?.map(|light| vec![light]).ok_or_else(|| {
+        let (sun, times) = match planet.grid().plane {
+            true => ("--sun AZIMUTH,ELEVATION", ""),
+            false => ("--sun LON,LAT", ", --time TIME or --times FROM,TO,STEP"),
+        };
+        ToolError::usage("a mask without a sun", "shadows have a sun", format!("give {sun}{times}"))
+    })
+}
+
+fn rectangle(args: &Args, planet: &Planet) -> Result<(Samples, Rectangle), ToolError> {
+    let coarsest = planet.grid().root_level();
+    if args.level > coarsest {
+        return Err(ToolError::usage(
+            format!("--level {}", args.level),
+            format!("the file has the levels 0 (finest) to {coarsest}"),
+            "ask for one of these levels; `relief-bake inspect` lists them",
+        ));
+    }
+    let samples = Samples::of(planet.relief(), args.level, false);
+    let bounds = args.window.unwrap_or_else(|| Bounds::whole(&samples)).ordered(samples.wraps)?;
+    let rectangle = bounds.samples(&samples).ok_or_else(|| {
+        ToolError::usage(
+            format!("--window {},{},{},{}", bounds.west, bounds.south, bounds.east, bounds.north),
+            "a window holds at least one node of the level",
+            "widen it or give a finer --level; `relief-bake inspect` shows where the file lies",
+        )
+    })?;
+    Ok((samples, rectangle))
+}
+
+/// MASK.tif as MASK_20260621T120000Z.tif.
+fn stamped(path: &Path, time: DateTime<Utc>) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let stamp: String = plain(time).chars().filter(|c| !matches!(c, '-' | ':')).collect();
+    path.with_file_name(format!("{stem}_{stamp}.{}", extension(path)))
+}
+
+fn write(
+    args: &Args,
+    path: &Path,
+    planet: &Planet,
+    light: &Light,
+    (samples, rectangle): (&Samples, Rectangle),
+    mask: &[u8],
+) -> Result<(), ToolError> {
+    let size = [rectangle.columns, rectangle.rows];
+    if extension(path) == "png" {
+        return write_grey_png(path, size, mask);
+    }
+    let mut metadata = vec![
+        ("RELIEF_PLANE", "shadow".to_owned()),
+        ("RELIEF_LEVEL", args.level.to_string()),
+        (if samples.wraps { "SUB_SOLAR_DEG" } else { "SUN_AZIMUTH_ELEVATION_DEG" }, light.angles()),
+    ];
+    metadata.extend(light.time.map(|time| ("TIME", plain(time))));
+    let georeference = Georeference {
+        body: planet.relief().body(),
+        geo_transform: samples.geo_transform(rectangle),
+        metadata: &metadata,
+    };
+    beside(path, sidecar(planet.relief().body()))?;
+    publish(path, |out| write_mask(out, size, mask, &georeference).map_err(std::io::Error::other))
+}
+
+/// Writes GDAL's file beside a raster, or removes one that belonged to an earlier raster.
+fn beside(path: &Path, text: Option<String>) -> Result<(), ToolError> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".aux.xml");
+    let path = PathBuf::from(name);
+    match text {
+        Some(text) => publish(&path, |out| out.write_all(text.as_bytes())),
+        None => match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(ToolError::Io {
+                action: "cannot remove",
+                path,
+                error,
+                remedy: "remove it: it belongs to an earlier raster of that name".into(),
+            }),
+            _ => Ok(()),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_carry_their_time() {
+        let time = |text: &str| crate::typed::time(text).unwrap_or_default();
+        let name = |path, at| stamped(Path::new(path), time(at)).display().to_string();
+        assert_eq!(name("out/day.tif", "2026-06-21T12:00:00Z"), "out/day_20260621T120000Z.tif");
+        assert_eq!(name("a.b.PNG", "2026-06-21T12:00:00.5+01:00"), "a.b_20260621T110000.500Z.png");
+    }
+}

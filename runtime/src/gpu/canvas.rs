@@ -1,0 +1,52 @@
+//! The buffers a view is drawn with: its uniforms, lists and targets.
+
+use relief_shaders::frame::Style;
+use relief_shaders::planet as shared;
+
+use super::atlas::Atlas;
+use super::device::{Device, DeviceError};
+use super::kernel;
+use super::lists::{CAPACITY, Lists};
+use super::picture::{Groups, Picture};
+use super::targets::Targets;
+use super::tessellate::Tessellation;
+
+pub(super) struct Canvas {
+    pub view: wgpu::Buffer,
+    pub style: wgpu::Buffer,
+    pub lists: Lists,
+    /// Of the last picture's size.
+    pub sized: Option<(Targets, Groups)>,
+}
+
+impl Canvas {
+    pub fn new(device: &Device, tessellation: &Tessellation, style: &Style) -> Self {
+        let view = kernel::uniform(device, "view", &shared::View::default());
+        let lists = Lists::new(device, tessellation, &view, CAPACITY);
+        Self { style: kernel::uniform(device, "style", style), view, lists, sized: None }
+    }
+
+    /// Targets of a size, and what view and style are.
+    pub fn set(&mut self, device: &Device, picture: &Picture, atlas: &Atlas, view: &shared::View, style: &Style) {
+        let size = [view.width, view.height];
+        if self.sized.as_ref().is_none_or(|(targets, _)| targets.size != size) {
+            self.sized = None;
+            let targets = Targets::new(device, size);
+            let groups = picture.groups(device, atlas, [&self.view, &self.style], &self.lists, &targets);
+            self.sized = Some((targets, groups));
+        }
+        device.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(view));
+        device.queue().write_buffer(&self.style, 0, bytemuck::bytes_of(style));
+    }
+
+    /// Doubles the lists; false when the device holds no larger ones.
+    ///
+    /// # Errors
+    /// [`DeviceError::OutOfMemory`].
+    pub fn grow(&mut self, device: &Device, tessellation: &Tessellation) -> Result<bool, DeviceError> {
+        let Some(lists) = self.lists.doubled(device, tessellation, &self.view)? else { return Ok(false) };
+        self.lists = lists;
+        self.sized = None;
+        Ok(true)
+    }
+}

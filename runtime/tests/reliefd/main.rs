@@ -1,0 +1,11 @@
+//! `reliefd` as a user runs it.
+#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
+mod mask;
+mod probe;
+mod program;
+mod refused;
+mod render;
+#[path = "../../../tests/support/sample_file.rs"]
+#[allow(dead_code, reason = "shared with the tests of other crates")]
+mod sample_file;
