@@ -53,6 +53,11 @@ lint:
 
 alias bench := bench-bake
 
+# Measure meshes, shadows and frames beside their peers, write BENCHMARKS-RUNTIME.md and .json
+bench-runtime *arguments:
+    cargo build --release --locked -p relief-tools -p relief-runtime -p relief-shaders -p relief-formats --bins --examples
+    {{ python }} tools/bench_runtime.py {{ arguments }}
+
 # Measure the bake against GDAL's own tools, write BENCHMARKS.md and .json: just bench-bake --quick
 bench-bake *arguments:
     cargo build --release --locked -p relief-tools

@@ -86,7 +86,7 @@ class Bench:
         shown = run(EXAMPLES / "shadow_bench", file)
         found = json.loads(shown["output"])
         mask = run(TARGET / "reliefd", "mask", file, "--backend", "cpu", "--sun", f"{AZIMUTH_DEG},{SUNS_DEG[0]}",
-                   "-o", self.folder / "mask.png", "--force")
+                   "-o", self.folder / "mask.png")
         found["mask_peak_bytes"] = mask["peak_bytes"]
         nodes = self.folder / "nodes.tif"
         run(BAKE, "export", file, "-o", nodes, "--force")
