@@ -54,22 +54,29 @@ impl Gpu {
         let style = style_of(&planet)?;
         let sea_m = sea_of(&planet);
         let atlas = Atlas::new(device, &planet, capacity)?;
-        let resident = Resident::new(planet, capacity, atlas)?;
-        let gpu = device.guard(|| {
-            let tessellation = Tessellation::new(device);
-            Self {
-                picture: Picture::new(device, &sea_m),
-                present: Present::new(device),
-                timestamps: Timestamps::new(device, TIMED),
-                canvas: Canvas::new(device, &tessellation, &style),
-                device: device.clone(),
-                resident,
-                tessellation,
-                style,
-                in_flight: VecDeque::new(),
-                stats: Stats::default(),
-                passes: u32::MAX,
-            }
+        // Drivers take their time over pipelines.
+        let (resident, (tessellation, picture)) = rayon::join(
+            || Resident::new(planet, capacity, atlas),
+            || {
+                rayon::join(
+                    || device.guard(|| Tessellation::new(device)),
+                    || device.guard(|| Picture::new(device, &sea_m)),
+                )
+            },
+        );
+        let (resident, tessellation, picture) = (resident?, tessellation?, picture?);
+        let gpu = device.guard(|| Self {
+            picture,
+            present: Present::new(device),
+            timestamps: Timestamps::new(device, TIMED),
+            canvas: Canvas::new(device, &tessellation, &style),
+            device: device.clone(),
+            resident,
+            tessellation,
+            style,
+            in_flight: VecDeque::new(),
+            stats: Stats::default(),
+            passes: u32::MAX,
         })?;
         Ok(gpu)
     }
