@@ -33,6 +33,10 @@ test-one word:
 run *arguments:
     @{{ bake }} {{ arguments }}
 
+# Run reliefd: just view render out/earth.relief --camera 86.9,25.6,120000,0,-35 --out out/view.png
+view *arguments:
+    @cargo run --quiet --release --locked -p relief-runtime --bin reliefd -- {{ arguments }}
+
 # Type-check everything, tests included
 check:
     cargo check --release --locked --workspace --all-targets

@@ -29,8 +29,7 @@ pub struct Margin {
 }
 
 impl Margin {
-    /// Half the width of the band in which a kernel may differ (DESIGN section 10).
-    /// The band's half width, radians.
+    /// Half the width of the band in which a kernel may differ (DESIGN section 10), radians.
     #[must_use]
     pub fn tolerance_rad(&self) -> f64 {
         1e-4 + 0.002 / self.distance_m
@@ -179,6 +178,12 @@ impl World {
     /// within `range_rad`; beyond, only its sign and its being beyond are.
     #[must_use]
     pub fn margin(&self, s: u32, t: u32, sun: [f64; 3], range_rad: f64) -> Margin {
+        self.margin_under(self.max_m(), s, t, sun, range_rad)
+    }
+
+    /// [`World::margin`] for callers with many rays, who know the greatest height.
+    #[must_use]
+    pub fn margin_under(&self, max_m: f64, s: u32, t: u32, sun: [f64; 3], range_rad: f64) -> Margin {
         let line = self.line(s, t, sun);
         if sun[0].hypot(sun[1]) < 1e-9 {
             return Margin { angle_rad: -sun[2] * FRAC_PI_2, distance_m: 1.0 };
@@ -187,7 +192,7 @@ impl World {
             Some(ellipsoid) => ellipsoid.a_m * PI / self.rows() as f64,
             None => self.spacing_m[0].min(self.spacing_m[1]),
         };
-        let (max_m, columns, rows) = (self.max_m(), self.columns() as i64, self.rows() as i64);
+        let (columns, rows) = (self.columns() as i64, self.rows() as i64);
         let plane = self.ellipsoid.is_none();
         let near_m = 0.01 * cell_m;
         // The cell is that of a point a hair ahead, nearer than which no border is told apart.

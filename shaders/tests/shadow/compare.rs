@@ -98,13 +98,13 @@ fn cast_all(
     rays: &[Cast],
     kernel: impl Fn(&Planet, &Dense, u32, u32, f32, [f32; 3]) -> Sunlight + Sync,
 ) -> usize {
-    let (planet, dense) = (planet(world), dense(world));
+    let (planet, dense, max_m) = (planet(world), dense(world), world.max_m());
     let results: Vec<_> = rays
         .par_iter()
         .map(|&(s, t, sun)| {
             let light = kernel(&planet, &dense, s, t, world.height_m(s, t) as f32, sun);
             let norm = sun.iter().map(|&v| f64::from(v) * f64::from(v)).sum::<f64>().sqrt();
-            let margin = world.margin(s, t, sun.map(|v| f64::from(v) / norm), 0.0);
+            let margin = world.margin_under(max_m, s, t, sun.map(|v| f64::from(v) / norm), 0.0);
             let dark = light.visible == 0.0;
             let wrong = !margin.is_inside() && dark != (margin.angle_rad > 0.0);
             (wrong, margin, light)

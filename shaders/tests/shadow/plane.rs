@@ -20,7 +20,7 @@ fn nodes(world: &World) -> PlaneNodes<'_, f32> {
 /// Sweeps for every sun and compares a sample of the nodes with the oracle.
 pub fn compare_sweep(world: &World, suns: &[(f64, f64)], sample: usize) {
     let (columns, shift) = (world.columns(), 31 - world.m);
-    let mut random = Random(5);
+    let (mut random, max_m) = (Random(5), world.max_m());
     for &(azimuth_deg, elevation_deg) in suns {
         let sun = sun(azimuth_deg, elevation_deg);
         let (mask, counts) = sweep_mask::<true, f32>(&nodes(world), sun);
@@ -30,8 +30,13 @@ pub fn compare_sweep(world: &World, suns: &[(f64, f64)], sample: usize) {
             .par_iter()
             .map(|&pick| {
                 let (i, j) = (pick as usize % columns, (pick >> 32) as usize % world.rows());
-                let margin =
-                    world.margin((i as u32) << shift, (j as u32) << shift, sun.map(|v| f64::from(v) / norm), 0.0);
+                let margin = world.margin_under(
+                    max_m,
+                    (i as u32) << shift,
+                    (j as u32) << shift,
+                    sun.map(|v| f64::from(v) / norm),
+                    0.0,
+                );
                 let dark = mask[j * columns + i] == 0;
                 let wrong = !margin.is_inside() && dark != (margin.angle_rad > 0.0);
                 if wrong {
