@@ -10,6 +10,7 @@ mod lists;
 mod pending;
 mod picture;
 mod present;
+mod read;
 mod readback;
 mod shadow_masks;
 mod targets;

@@ -10,9 +10,10 @@ use std::time::Duration;
 
 use relief_formats::body::Body;
 use relief_formats::geodesy::{Ellipsoid, lat_deg, lon_deg};
+use relief_formats::grid::Grid;
 use relief_formats::surface::{Place, Surface};
 use relief_runtime::cpu::Cpu;
-use relief_runtime::frame::{Frame, Renderer, Settings};
+use relief_runtime::frame::{Frame, Renderer, Settings, Shadow};
 use relief_runtime::planet::Planet;
 use relief_runtime::view::{Camera, Sun, View};
 use sample_file::Sample;
@@ -107,4 +108,53 @@ fn pixels_show_the_surface_where_they_say() {
         let wrong = worst(&planet, &other, &frame);
         assert!(wrong.height_px > 2.0 && wrong.place_px > 2.0, "view {n}");
     }
+}
+
+/// A body with up to 4 km of relief from node to node.
+fn rough(body: Body, m: u32) -> Sample {
+    let q = |grid: Grid, i: u32, j: u32| match j {
+        0 => 0,
+        j if j == grid.height(0) => 0,
+        _ => {
+            let i = i % grid.width(0);
+            ((i.wrapping_mul(0x9e37_79b1) ^ j.wrapping_mul(0x85eb_ca6b)).wrapping_mul(0xc2b2_ae35) >> 20) as i32
+        }
+    };
+    Sample { step_exponent: 0, q, ..Sample::new(body, m) }
+}
+
+#[test]
+fn without_time_the_frame_says_what_it_lacks_and_coarser_tiles_stand_in() {
+    let planet = support::planet(&rough(Body::earth(), 11));
+    let mut cpu = Cpu::new(planet.clone(), 200 << 20).unwrap();
+    let settings = Settings { places: true, ..Settings::default() };
+    let view = views()[1];
+    let hasty = cpu.render_until_complete(&view, &settings, Duration::ZERO).unwrap();
+    assert!(hasty.stats.tiles_missing > 0);
+    // The ground is there, though not yet as exact.
+    assert!(hasty.distance_m.iter().all(|&distance_m| distance_m > 0.0));
+    assert!(worst(&planet, &view, &hasty).height_px > 2.0);
+    let whole = cpu.render_until_complete(&view, &settings, Duration::from_secs(100)).unwrap();
+    assert_eq!(whole.stats.tiles_missing, 0);
+    assert!(worst(&planet, &view, &whole).height_px < 2.0);
+}
+
+#[test]
+fn shadows_darken_and_count_their_rays() {
+    let planet = support::planet(&rough(Body::moon(), 10));
+    let mut cpu = Cpu::new(planet, 200 << 20).unwrap();
+    // The sun low in the east.
+    let view = View { sun: Sun::over(97.0, 0.0).unwrap(), ..views()[0] };
+    let mut frame = |shadow| {
+        let settings = Settings { shadow, ..Settings::default() };
+        cpu.render_until_complete(&view, &settings, Duration::from_secs(100)).unwrap()
+    };
+    let (dark, bright) = (frame(Shadow::Exact), frame(Shadow::None));
+    let brightness = |frame: &Frame| frame.colour.iter().map(|c| u64::from(c[1])).sum::<u64>();
+    assert!(brightness(&dark) < brightness(&bright));
+    let shaded = dark.lit.iter().filter(|&&lit| lit == 0).count();
+    assert!(shaded > 100 && shaded < dark.lit.len(), "{shaded}");
+    assert!(bright.lit.iter().all(|&lit| lit == 255));
+    assert_eq!(dark.stats.fetches.rays, u64::from(SIZE[0] * SIZE[1]));
+    assert!(dark.stats.fetches.heights >= 4 * dark.stats.fetches.rays && bright.stats.fetches.rays == 0);
 }

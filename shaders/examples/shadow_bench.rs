@@ -82,7 +82,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             // Without bounds nothing is looked up but heights.
             kernels.push(row(name, None, [heights, if greatest { extremes } else { 0 }], sparse));
         }
-        suns.push(format!("{{\"elevation_deg\": {elevation_deg}, \"lit\": {lit:.6}, \"kernels\": [{}]}}", kernels.join(", ")));
+        suns.push(format!(
+            "{{\"elevation_deg\": {elevation_deg}, \"lit\": {lit:.6}, \"kernels\": [{}]}}",
+            kernels.join(", ")
+        ));
     }
     println!(
         "{{\"columns\": {columns}, \"rows\": {rows}, \"threads\": {}, \"suns\": [{}]}}",

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use relief_shaders::frame::{Places, Shaded, Style};
+use relief_shaders::frame::Style;
 use relief_shaders::planet as shared;
 
 use super::atlas::Atlas;
@@ -13,7 +13,7 @@ use super::device::{Device, DeviceError};
 use super::pending::{Finished, Pending};
 use super::picture::Picture;
 use super::present::{HostTargets, Present};
-use super::readback::{Mapping, Readback};
+use super::readback::Readback;
 use super::targets::Targets;
 use super::tessellate::Tessellation;
 use super::timestamps::Timestamps;
@@ -54,22 +54,29 @@ impl Gpu {
         let style = style_of(&planet)?;
         let sea_m = sea_of(&planet);
         let atlas = Atlas::new(device, &planet, capacity)?;
-        let resident = Resident::new(planet, capacity, atlas)?;
-        let gpu = device.guard(|| {
-            let tessellation = Tessellation::new(device);
-            Self {
-                picture: Picture::new(device, &sea_m),
-                present: Present::new(device),
-                timestamps: Timestamps::new(device, TIMED),
-                canvas: Canvas::new(device, &tessellation, &style),
-                device: device.clone(),
-                resident,
-                tessellation,
-                style,
-                in_flight: VecDeque::new(),
-                stats: Stats::default(),
-                passes: u32::MAX,
-            }
+        // Drivers take their time over pipelines.
+        let (resident, (tessellation, picture)) = rayon::join(
+            || Resident::new(planet, capacity, atlas),
+            || {
+                rayon::join(
+                    || device.guard(|| Tessellation::new(device)),
+                    || device.guard(|| Picture::new(device, &sea_m)),
+                )
+            },
+        );
+        let (resident, tessellation, picture) = (resident?, tessellation?, picture?);
+        let gpu = device.guard(|| Self {
+            picture,
+            present: Present::new(device),
+            timestamps: Timestamps::new(device, TIMED),
+            canvas: Canvas::new(device, &tessellation, &style),
+            device: device.clone(),
+            resident,
+            tessellation,
+            style,
+            in_flight: VecDeque::new(),
+            stats: Stats::default(),
+            passes: u32::MAX,
         })?;
         Ok(gpu)
     }
@@ -211,57 +218,17 @@ impl Gpu {
             pass_ms: finished.pass_ms,
         };
     }
-
-    /// The last frame in RAM.
-    fn read(&self, settings: &Settings) -> Result<Frame, DeviceError> {
-        let Some((targets, _)) = &self.canvas.sized else { return Ok(Frame::default()) };
-        let device = &self.device;
-        let (words, places) = device.guard(|| {
-            let mut encoder = device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let words = [&targets.colours, &targets.distances, &targets.normals]
-                .map(|buffer| Readback::of(device, &mut encoder, buffer));
-            let places = settings.places.then(|| targets.read_places(device, &mut encoder));
-            device.queue().submit([encoder.finish()]);
-            (words.map(Readback::map), places.map(|rows| rows.map(|rows| rows.map())))
-        })?;
-        let [colours, distances, normals] = words;
-        let shaded = Shaded {
-            colours: colours.wait(device)?,
-            distances_m: distances.wait(device)?,
-            normals: normals.wait(device)?,
-        };
-        let frame = Frame::new(targets.size, shaded, self.stats.clone());
-        let Some([(places, compact_places), (depths, compact_depths)]) = places else { return Ok(frame) };
-        let words = |mapping: &Mapping| mapping.wait::<u32>(device);
-        let drawn = Places {
-            width: targets.size[0],
-            places: compact_places(&words(&places)?).chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect(),
-            depths: compact_depths(&words(&depths)?).into_iter().map(f32::from_bits).collect(),
-        };
-        Ok(frame.with_places(&drawn))
-    }
 }
 
 impl Renderer for Gpu {
     fn mesh(&mut self, view: &View, scheme: Scheme) -> Result<Vec<ReliefTriangle>, RenderError> {
         self.draw(view, &Settings { scheme, ..Settings::default() })?;
-        let device = &self.device;
-        let bytes = self.stats.triangles * size_of::<ReliefTriangle>() as u64;
-        if bytes == 0 {
-            return Ok(Vec::new());
-        }
-        let mapping = device.guard(|| {
-            let mut encoder = device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let readback = Readback::first(device, &mut encoder, &self.canvas.lists.relief, bytes);
-            device.queue().submit([encoder.finish()]);
-            readback.map()
-        })?;
-        Ok(mapping.wait(device)?)
+        Ok(self.canvas.read_mesh(&self.device, self.stats.triangles)?)
     }
 
     fn render(&mut self, view: &View, settings: &Settings) -> Result<Frame, RenderError> {
         self.draw(view, settings)?;
-        Ok(self.read(settings)?)
+        Ok(self.canvas.read(&self.device, settings, self.stats.clone())?)
     }
 
     fn update(&mut self, budget: Duration) -> Progress {
@@ -283,7 +250,7 @@ impl Renderer for Gpu {
                 progress.full && progress.loaded == 0
             };
             if done {
-                return Ok(self.read(settings)?);
+                return Ok(self.canvas.read(&self.device, settings, self.stats.clone())?);
             }
         }
     }

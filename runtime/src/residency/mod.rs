@@ -9,10 +9,12 @@
 mod capacity;
 mod closure;
 mod crown;
+mod demand;
 mod loader;
 mod page;
 mod ram;
 mod slots;
+mod supply;
 mod table;
 mod wants;
 
@@ -33,11 +35,6 @@ use wants::Wants;
 pub use capacity::{Capacity, CapacityError};
 pub use page::Page;
 pub use ram::Ram;
-
-/// Tiles of the coarsest levels that are never dropped: at most this share of the slots.
-const PINNED_SHARE: u32 = 4;
-/// Levels below the root that are never dropped.
-const PINNED_LEVELS: u32 = 2;
 
 /// Where pages are put: a GPU's buffers or RAM.
 pub trait Store {
@@ -210,107 +207,6 @@ impl<S: Store> Resident<S> {
             Unavailable::Damaged(error) => Some((key, error)),
             Unavailable::Absent => None,
         })
-    }
-
-    /// Marks the finest tile at or above `key` that the file can give, with what it rests on, as
-    /// used and wanted. True when a page lacks.
-    fn want(&mut self, mut key: TileKey) -> bool {
-        if self.slots.touch(key) {
-            return false;
-        }
-        let root = self.planet.grid().root_level();
-        while !self.available(key) {
-            if key.level >= root {
-                return false;
-            }
-            key = key.parent();
-        }
-        if self.slots.touch(key) {
-            return false;
-        }
-        if self.wants.insert(key) {
-            for below in closure::touching(self.planet.grid(), key) {
-                self.want(below);
-            }
-        }
-        true
-    }
-
-    fn available(&mut self, key: TileKey) -> bool {
-        if self.slots.find(key).is_some() {
-            return true;
-        }
-        if self.unavailable.contains_key(&key) {
-            return false;
-        }
-        let relief = self.planet.relief();
-        match relief.check_whole().and_then(|()| relief.find(key)) {
-            // A tile is decoded from its parent.
-            Ok(Some(_)) => key.level >= self.planet.grid().root_level() || self.available(key.parent()),
-            Ok(None) => {
-                self.unavailable.insert(key, Unavailable::Absent);
-                false
-            }
-            Err(error) => {
-                self.unavailable.insert(key, Unavailable::Damaged(error));
-                false
-            }
-        }
-    }
-
-    fn want_pinned(&mut self) {
-        let grid = self.planet.grid();
-        let root = grid.root_level();
-        let mut tiles = 0;
-        for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
-            tiles += grid.tiles_x(level) * grid.tiles_y(level);
-            if level == root || tiles * PINNED_SHARE <= self.slots.capacity() {
-                closure::level(grid, level).for_each(|key| {
-                    self.want(key);
-                });
-            }
-        }
-    }
-
-    /// Keeps the workers busy with what can find room.
-    fn dispatch(&mut self) {
-        let busy = self.loader.in_flight() + self.ready.len();
-        let room = self.slots.room(self.loader.limit()).saturating_sub(busy);
-        let start = room.min(self.loader.limit().saturating_sub(busy));
-        let next: Vec<TileKey> = self
-            .wants
-            .iter()
-            .filter(|key| !self.loader.is_loading(*key) && !self.ready.contains_key(key))
-            .take(start)
-            .collect();
-        next.into_iter().for_each(|key| self.loader.start(key));
-    }
-
-    /// Lets decoded pages enter, coarsest first.
-    fn enter_ready(&mut self, progress: &mut Progress) {
-        self.ready.retain(|&key, _| self.wants.contains(key));
-        while let Some(&key) = self.ready.keys().find(|&&key| self.rests(key)) {
-            let Some(page) = self.ready.remove(&key) else { break };
-            let Some(dropped) = self.enter(key, &page) else {
-                self.ready.insert(key, page);
-                break;
-            };
-            progress.loaded += 1;
-            progress.dropped += dropped;
-        }
-    }
-
-    /// True when no page that `key` rests on is still to come.
-    fn rests(&self, key: TileKey) -> bool {
-        closure::touching(self.planet.grid(), key).into_iter().all(|below| !self.wants.contains(below))
-    }
-
-    /// Puts a page into a slot; how many pages had to leave, or none when there is no room.
-    fn enter(&mut self, key: TileKey, page: &Page) -> Option<usize> {
-        let (slot, dropped) = self.slots.enter(key)?;
-        self.store.write_page(slot, page);
-        self.wants.remove(key);
-        Some(usize::from(dropped))
     }
 }
 
