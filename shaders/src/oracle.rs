@@ -209,7 +209,8 @@ impl World {
             }
             // The far edges belong to the map.
             let (i, j) = ((ahead.x as i64).min(columns - 1), (ahead.y as i64).min(rows - 1));
-            let mut to_m = from_m + 0.5 * cell_m;
+            // Short at first: the angle varies with the ratio of distances.
+            let mut to_m = (from_m + 0.5 * cell_m).min((1.25 * from_m).max(2.0 * near_m));
             let mut meet = |border_m: f64| {
                 if border_m > from_m + hair_m && border_m < to_m {
                     to_m = border_m;

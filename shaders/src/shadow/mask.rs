@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
-use super::exact::{Relief, shadow_exact};
+use super::exact::{Relief, Sunlight, shadow_exact};
 use super::pages::PagedRelief;
 use super::square::square_shift;
 use super::sun::{refracted, sun_local};
@@ -46,6 +46,31 @@ pub struct WindowCounts {
     pub steps: u64,
 }
 
+impl WindowCounts {
+    /// With one more ray.
+    #[must_use]
+    pub fn with(self, light: &Sunlight) -> Self {
+        let counts = light.counts;
+        Self {
+            rays: self.rays + 1,
+            heights: self.heights + u64::from(counts.heights),
+            extremes: self.extremes + u64::from(counts.extremes),
+            steps: self.steps + u64::from(counts.steps),
+        }
+    }
+
+    /// The sums of both.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            heights: self.heights + other.heights,
+            extremes: self.extremes + other.extremes,
+            steps: self.steps + other.steps,
+        }
+    }
+}
+
 /// Direction to the sun (east, north, up) at a point, lifted by the air.
 #[must_use]
 pub fn sun_of_window(planet: &Planet, window: &ShadowWindow, s: u32, t: u32) -> [f32; 3] {
@@ -69,25 +94,18 @@ pub fn shadow_mask_of<R: Relief>(
         .enumerate()
         .map(|(row, out)| {
             let mut relief = relief();
-            let mut counts = WindowCounts { rays: out.len() as u64, ..WindowCounts::default() };
+            let mut counts = WindowCounts::default();
             let t = (window.y + row as u32) << shift;
             for (column, out) in (0..).zip(out.iter_mut()) {
                 let s = window.x.wrapping_add(column) << shift;
                 let sun = sun_of_window(planet, window, s, t);
                 let light = shadow_exact(planet, &mut relief, [s, t], height_m(s, t), window.level, sun, window.sun[3]);
                 *out = (light.visible * 255.0 + 0.5) as u8;
-                counts.heights += u64::from(light.counts.heights);
-                counts.extremes += u64::from(light.counts.extremes);
-                counts.steps += u64::from(light.counts.steps);
+                counts = counts.with(&light);
             }
             counts
         })
-        .reduce(WindowCounts::default, |a, b| WindowCounts {
-            rays: a.rays + b.rays,
-            heights: a.heights + b.heights,
-            extremes: a.extremes + b.extremes,
-            steps: a.steps + b.steps,
-        });
+        .reduce(WindowCounts::default, WindowCounts::plus);
     (mask, counts)
 }
 

@@ -9,6 +9,7 @@ pub mod dense;
 pub mod exact;
 pub mod mask;
 pub mod pages;
+pub mod paper;
 pub mod square;
 pub mod sun;
 pub mod sweep;
