@@ -5,10 +5,14 @@
 //! there as used and queues what is not; [`Resident::update`] loads within a time budget. A page
 //! enters only after all pages of the next coarser level that touch it, and leaves only before
 //! them: so wherever a kernel finds a page, it finds what stands in for its neighbours too.
+//!
+//! A tile that a sparse file lacks becomes a page like any other, with interpolated nodes and codes
+//! made for them: only so do flat triangles follow S_0 between coarse nodes, and the ellipsoid.
 
 mod capacity;
 mod closure;
 mod crown;
+mod lacking;
 mod loader;
 mod page;
 mod ram;
@@ -64,7 +68,8 @@ pub struct Progress {
 
 /// Why a tile never enters.
 enum Unavailable {
-    /// The file has no such tile: a coarser one holds its heights.
+    /// The file has no such tile but finer ones that touch it, against its format's rules: a
+    /// coarser one holds its heights.
     Absent,
     /// Its bytes, or those of a tile it is decoded from.
     Damaged(FormatError),
@@ -247,10 +252,17 @@ impl<S: Store> Resident<S> {
         match relief.check_whole().and_then(|()| relief.find(key)) {
             // A tile is decoded from its parent.
             Ok(Some(_)) => key.level >= self.planet.grid().root_level() || self.available(key.parent()),
-            Ok(None) => {
-                self.unavailable.insert(key, Unavailable::Absent);
-                false
-            }
+            Ok(None) => match self.finer_about(key) {
+                Ok(false) => key.level < self.planet.grid().root_level() && self.available(key.parent()),
+                Ok(true) => {
+                    self.unavailable.insert(key, Unavailable::Absent);
+                    false
+                }
+                Err(error) => {
+                    self.unavailable.insert(key, Unavailable::Damaged(error));
+                    false
+                }
+            },
             Err(error) => {
                 self.unavailable.insert(key, Unavailable::Damaged(error));
                 false
@@ -258,6 +270,17 @@ impl<S: Store> Resident<S> {
         }
     }
 
+    /// True when the file has a tile of the next finer level that touches this one.
+    fn finer_about(&self, key: TileKey) -> Result<bool, FormatError> {
+        for finer in closure::within_and_about(self.planet.grid(), key) {
+            if self.planet.relief().find(finer)?.is_some() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Wants the tiles of the coarsest levels that the file has.
     fn want_pinned(&mut self) {
         let grid = self.planet.grid();
         let root = grid.root_level();
@@ -265,9 +288,11 @@ impl<S: Store> Resident<S> {
         for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
             tiles += grid.tiles_x(level) * grid.tiles_y(level);
             if level == root || tiles * PINNED_SHARE <= self.slots.capacity() {
-                closure::level(grid, level).for_each(|key| {
-                    self.want(key);
-                });
+                for key in closure::level(grid, level) {
+                    if matches!(self.planet.relief().find(key), Ok(Some(_))) {
+                        self.want(key);
+                    }
+                }
             }
         }
     }

@@ -91,7 +91,7 @@ fn a_full_atlas_says_so_and_goes_on_with_the_next_view() {
 }
 
 #[test]
-fn an_absent_tile_is_never_loaded_and_its_ancestor_stands_in() {
+fn an_absent_tile_that_finer_ones_touch_is_never_loaded_and_its_ancestor_stands_in() {
     let absent = |key: TileKey| key.level < 2 && key.x >> (1 - key.level) != 0;
     let planet = write(&Sample { absent, ..Sample::new(Body::earth(), 10) }, |_| ());
     let mut resident = resident(&planet, 100);
