@@ -75,7 +75,7 @@ fn rough(i: u32, j: u32) -> i32 {
         j if j == GRID.height(0) => -2400,
         _ => {
             // Calm in places, so that small codes occur.
-            let amplitude = 1 + (60_000 >> (2 * ((i / 700 + j / 500) % 5)));
+            let amplitude = 1 + (60_000 >> (2 * ((i / 90 + j / 70) % 5)));
             let noise = (i.wrapping_mul(0x9e37_79b1) ^ j.wrapping_mul(0x85eb_ca6b)).wrapping_mul(0xc2b2_ae35);
             (noise >> 8) as i32 % amplitude + (i as i32 % 3000 - 1500).abs() * 8
         }
