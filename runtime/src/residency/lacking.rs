@@ -111,7 +111,9 @@ impl Lacking {
     }
 
     fn stored(&self, key: TileKey) -> Result<bool, FormatError> {
-        Ok(self.planet.relief().find(key)?.is_some())
+        let relief = self.planet.relief();
+        relief.check_whole()?;
+        Ok(relief.find(key)?.is_some())
     }
 
     fn borders(&self, key: TileKey) -> impl Iterator<Item = Border> + use<> {

@@ -86,6 +86,8 @@ pub struct Resident<S> {
     unavailable: HashMap<TileKey, Unavailable>,
     /// Decoded pages that wait for a coarser one.
     ready: BTreeMap<TileKey, Page>,
+    /// Tiles that are always wanted.
+    pinned: Vec<TileKey>,
     /// The pages asked for belong to a new round when an update came in between.
     updated: bool,
 }
@@ -104,6 +106,7 @@ impl<S: Store> Resident<S> {
             wants: Wants::default(),
             unavailable: HashMap::new(),
             ready: BTreeMap::new(),
+            pinned: pinned(&planet, capacity.slots()),
             updated: true,
             planet,
             uniform,
@@ -248,21 +251,13 @@ impl<S: Store> Resident<S> {
         if self.unavailable.contains_key(&key) {
             return false;
         }
-        let relief = self.planet.relief();
-        match relief.check_whole().and_then(|()| relief.find(key)) {
+        match self.can_come(key) {
             // A tile is decoded from its parent.
-            Ok(Some(_)) => key.level >= self.planet.grid().root_level() || self.available(key.parent()),
-            Ok(None) => match self.finer_about(key) {
-                Ok(false) => key.level < self.planet.grid().root_level() && self.available(key.parent()),
-                Ok(true) => {
-                    self.unavailable.insert(key, Unavailable::Absent);
-                    false
-                }
-                Err(error) => {
-                    self.unavailable.insert(key, Unavailable::Damaged(error));
-                    false
-                }
-            },
+            Ok(true) => key.level >= self.planet.grid().root_level() || self.available(key.parent()),
+            Ok(false) => {
+                self.unavailable.insert(key, Unavailable::Absent);
+                false
+            }
             Err(error) => {
                 self.unavailable.insert(key, Unavailable::Damaged(error));
                 false
@@ -270,30 +265,24 @@ impl<S: Store> Resident<S> {
         }
     }
 
-    /// True when the file has a tile of the next finer level that touches this one.
-    fn finer_about(&self, key: TileKey) -> Result<bool, FormatError> {
+    /// True for a tile that the file has, or that no finer one touches.
+    fn can_come(&self, key: TileKey) -> Result<bool, FormatError> {
+        let relief = self.planet.relief();
+        relief.check_whole()?;
+        if relief.find(key)?.is_some() {
+            return Ok(true);
+        }
         for finer in closure::within_and_about(self.planet.grid(), key) {
-            if self.planet.relief().find(finer)?.is_some() {
-                return Ok(true);
+            if relief.find(finer)?.is_some() {
+                return Ok(false);
             }
         }
-        Ok(false)
+        Ok(true)
     }
 
-    /// Wants the tiles of the coarsest levels that the file has.
     fn want_pinned(&mut self) {
-        let grid = self.planet.grid();
-        let root = grid.root_level();
-        let mut tiles = 0;
-        for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
-            tiles += grid.tiles_x(level) * grid.tiles_y(level);
-            if level == root || tiles * PINNED_SHARE <= self.slots.capacity() {
-                for key in closure::level(grid, level) {
-                    if matches!(self.planet.relief().find(key), Ok(Some(_))) {
-                        self.want(key);
-                    }
-                }
-            }
+        for n in 0..self.pinned.len() {
+            self.want(self.pinned[n]);
         }
     }
 
@@ -337,6 +326,23 @@ impl<S: Store> Resident<S> {
         self.wants.remove(key);
         Some(usize::from(dropped))
     }
+}
+
+/// The tiles that a file has of its coarsest levels, as long as they are a small part of the slots.
+fn pinned(planet: &Planet, slots: u32) -> Vec<TileKey> {
+    let (grid, relief) = (planet.grid(), planet.relief());
+    let (root, mut keys) = (grid.root_level(), Vec::new());
+    for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
+        // What cannot be read is an error when it is asked for.
+        let find = |key| relief.check_whole().and_then(|()| relief.find(key));
+        let stored: Vec<TileKey> =
+            closure::level(grid, level).filter(|&key| matches!(find(key), Ok(Some(_)))).collect();
+        if level < root && (keys.len() + stored.len()) * PINNED_SHARE as usize > slots as usize {
+            break;
+        }
+        keys.extend(stored);
+    }
+    keys
 }
 
 #[cfg(test)]

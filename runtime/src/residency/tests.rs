@@ -154,6 +154,22 @@ fn a_file_that_is_cut_while_it_is_open_is_an_error_for_what_is_read_later() {
 }
 
 #[test]
+fn a_tile_that_the_file_lacks_comes_unless_what_it_rests_on_is_damaged() {
+    let sample = Sample { absent: |key: TileKey| key.level == 0, ..Sample::new(Body::earth(), 10) };
+    let (good, lost) = (TileKey::new(0, 5, 2), TileKey::new(0, 1, 1));
+    for (change, works) in [(None, true), (Some(TileKey::new(1, 0, 0)), false)] {
+        let planet = write(&sample, |bytes| change.into_iter().for_each(|key| damage(key, Plane::Deviation)(bytes)));
+        let mut resident = resident(&planet, 100);
+        let progress = load(&mut resident, &[lost, good]);
+        assert_eq!(progress.missing, 0);
+        assert!(resident.pages().find(0, good.x, good.y) & USABLE != 0 && held(&resident).contains(&good));
+        assert_eq!(held(&resident).contains(&lost), works);
+        assert_eq!(resident.damaged().any(|(key, _)| key == lost), !works);
+        assert_eq!(resident.ask([pages::key(0, lost.x, lost.y)]), 0, "nothing lacks that can come");
+    }
+}
+
+#[test]
 fn a_damaged_root_is_refused_at_once() {
     let planet = write(&Sample::new(Body::earth(), 9), damage(TileKey::new(1, 1, 0), Plane::Nodes));
     let error = Resident::new(Arc::clone(&planet), small(64), Ram::new(small(64))).err();

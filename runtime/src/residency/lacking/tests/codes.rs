@@ -23,7 +23,7 @@ fn deviation(level: u32, x: u32, y: u32, centre: bool) -> f64 {
     let step = f64::from(1u32 << level);
     // Ends of the hypotenuse, then the apex, in steps from the node.
     let hypotenuse = match centre {
-        true if (x / 2 + y / 2) % 2 == 0 => [1.0, 1.0],
+        true if (x / 2 + y / 2).is_multiple_of(2) => [1.0, 1.0],
         true => [1.0, -1.0],
         false if x & 1 == 1 => [1.0, 0.0],
         false => [0.0, 1.0],
@@ -144,4 +144,19 @@ fn two_tiles_agree_on_what_they_share() {
         }
     }
     assert!(compared > 500);
+}
+
+#[test]
+fn a_flat_asks_for_nothing_and_a_slope_for_its_rounding_only() {
+    let window = relief_formats::derive::Window::new(0, 0, TILE_NODES, TILE_NODES).expand(surround::BEYOND as i32);
+    let of = |level, q: fn(i32, i32) -> i32| bounds::codes(&relief_formats::derive::Field::from_fn(window, q), level);
+    assert!(of(5, |_, _| -77).iter().all(|&code| code == 0));
+    assert!(of(0, |x, y| 3 * x - y).iter().all(|&code| code == 0));
+    let slope = of(4, |x, _| x);
+    assert!(slope.iter().all(|&code| decode_deviation(code) <= 2.5) && slope.iter().any(|&code| code > 0));
+    // A single step of height counts as far as subtrees reach, and no further.
+    let spike = of(4, |x, y| i32::from((x, y) == (128, 128)));
+    let raised: Vec<usize> = (0..spike.len()).filter(|&k| spike[k] > 0).collect();
+    assert!(raised.contains(&(128 * 257 + 127)) && raised.contains(&(127 * 257 + 127)));
+    assert!(raised.iter().all(|k| (k % 257).abs_diff(128) <= 3 && (k / 257).abs_diff(128) <= 3));
 }
