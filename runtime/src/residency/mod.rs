@@ -5,6 +5,9 @@
 //! there as used and queues what is not; [`Resident::update`] loads within a time budget. A page
 //! enters only after all pages of the next coarser level that touch it, and leaves only before
 //! them: so wherever a kernel finds a page, it finds what stands in for its neighbours too.
+//!
+//! A tile that a sparse file lacks becomes a page like any other, with interpolated nodes and codes
+//! made for them: only so do flat triangles follow S_0 between coarse nodes, and the ellipsoid.
 
 mod capacity;
 mod closure;
@@ -61,7 +64,8 @@ pub struct Progress {
 
 /// Why a tile never enters.
 enum Unavailable {
-    /// The file has no such tile: a coarser one holds its heights.
+    /// The file has no such tile but finer ones that touch it, against its format's rules: a
+    /// coarser one holds its heights.
     Absent,
     /// Its bytes, or those of a tile it is decoded from.
     Damaged(FormatError),
@@ -78,6 +82,8 @@ pub struct Resident<S> {
     unavailable: HashMap<TileKey, Unavailable>,
     /// Decoded pages that wait for a coarser one.
     ready: BTreeMap<TileKey, Page>,
+    /// Tiles that are always wanted.
+    pinned: Vec<TileKey>,
     /// The pages asked for belong to a new round when an update came in between.
     updated: bool,
 }
@@ -96,6 +102,7 @@ impl<S: Store> Resident<S> {
             wants: Wants::default(),
             unavailable: HashMap::new(),
             ready: BTreeMap::new(),
+            pinned: pinned(&planet, capacity.slots()),
             updated: true,
             planet,
             uniform,
@@ -208,6 +215,23 @@ impl<S: Store> Resident<S> {
             Unavailable::Absent => None,
         })
     }
+}
+
+/// The tiles that a file has of its coarsest levels, as long as they are a small part of the slots.
+fn pinned(planet: &Planet, slots: u32) -> Vec<TileKey> {
+    let (grid, relief) = (planet.grid(), planet.relief());
+    let (root, mut keys) = (grid.root_level(), Vec::new());
+    for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
+        // What cannot be read is an error when it is asked for.
+        let find = |key| relief.check_whole().and_then(|()| relief.find(key));
+        let stored: Vec<TileKey> =
+            closure::level(grid, level).filter(|&key| matches!(find(key), Ok(Some(_)))).collect();
+        if level < root && (keys.len() + stored.len()) * PINNED_SHARE as usize > slots as usize {
+            break;
+        }
+        keys.extend(stored);
+    }
+    keys
 }
 
 #[cfg(test)]
