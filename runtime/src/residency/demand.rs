@@ -1,6 +1,9 @@
 //! What is wanted: the tiles that frames ask for, or what stands in for them, and all they rest on.
 
+use relief_formats::file::FormatError;
 use relief_formats::tile::TileKey;
+
+use crate::planet::Planet;
 
 use super::{Resident, Store, Unavailable, closure};
 
@@ -41,11 +44,10 @@ impl<S: Store> Resident<S> {
         if self.unavailable.contains_key(&key) {
             return false;
         }
-        let relief = self.planet.relief();
-        match relief.check_whole().and_then(|()| relief.find(key)) {
+        match self.can_come(key) {
             // A tile is decoded from its parent.
-            Ok(Some(_)) => key.level >= self.planet.grid().root_level() || self.available(key.parent()),
-            Ok(None) => {
+            Ok(true) => key.level >= self.planet.grid().root_level() || self.available(key.parent()),
+            Ok(false) => {
                 self.unavailable.insert(key, Unavailable::Absent);
                 false
             }
@@ -56,17 +58,41 @@ impl<S: Store> Resident<S> {
         }
     }
 
-    pub(super) fn want_pinned(&mut self) {
-        let grid = self.planet.grid();
-        let root = grid.root_level();
-        let mut tiles = 0;
-        for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
-            tiles += grid.tiles_x(level) * grid.tiles_y(level);
-            if level == root || tiles * PINNED_SHARE <= self.slots.capacity() {
-                closure::level(grid, level).for_each(|key| {
-                    self.want(key);
-                });
+    /// True for a tile that the file has, or that no finer one touches.
+    fn can_come(&self, key: TileKey) -> Result<bool, FormatError> {
+        let relief = self.planet.relief();
+        relief.check_whole()?;
+        if relief.find(key)?.is_some() {
+            return Ok(true);
+        }
+        for finer in closure::within_and_about(self.planet.grid(), key) {
+            if relief.find(finer)?.is_some() {
+                return Ok(false);
             }
         }
+        Ok(true)
     }
+
+    pub(super) fn want_pinned(&mut self) {
+        for n in 0..self.pinned.len() {
+            self.want(self.pinned[n]);
+        }
+    }
+}
+
+/// The tiles that a file has of its coarsest levels, as long as they are a small part of the slots.
+pub(super) fn pinned(planet: &Planet, slots: u32) -> Vec<TileKey> {
+    let (grid, relief) = (planet.grid(), planet.relief());
+    let (root, mut keys) = (grid.root_level(), Vec::new());
+    for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
+        // What cannot be read is an error when it is asked for.
+        let find = |key| relief.check_whole().and_then(|()| relief.find(key));
+        let stored: Vec<TileKey> =
+            closure::level(grid, level).filter(|&key| matches!(find(key), Ok(Some(_)))).collect();
+        if level < root && (keys.len() + stored.len()) * PINNED_SHARE as usize > slots as usize {
+            break;
+        }
+        keys.extend(stored);
+    }
+    keys
 }

@@ -13,6 +13,7 @@ mod capacity;
 mod closure;
 mod crown;
 mod demand;
+mod lacking;
 mod loader;
 mod page;
 mod ram;
@@ -102,7 +103,7 @@ impl<S: Store> Resident<S> {
             wants: Wants::default(),
             unavailable: HashMap::new(),
             ready: BTreeMap::new(),
-            pinned: pinned(&planet, capacity.slots()),
+            pinned: demand::pinned(&planet, capacity.slots()),
             updated: true,
             planet,
             uniform,
@@ -215,23 +216,6 @@ impl<S: Store> Resident<S> {
             Unavailable::Absent => None,
         })
     }
-}
-
-/// The tiles that a file has of its coarsest levels, as long as they are a small part of the slots.
-fn pinned(planet: &Planet, slots: u32) -> Vec<TileKey> {
-    let (grid, relief) = (planet.grid(), planet.relief());
-    let (root, mut keys) = (grid.root_level(), Vec::new());
-    for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
-        // What cannot be read is an error when it is asked for.
-        let find = |key| relief.check_whole().and_then(|()| relief.find(key));
-        let stored: Vec<TileKey> =
-            closure::level(grid, level).filter(|&key| matches!(find(key), Ok(Some(_)))).collect();
-        if level < root && (keys.len() + stored.len()) * PINNED_SHARE as usize > slots as usize {
-            break;
-        }
-        keys.extend(stored);
-    }
-    keys
 }
 
 #[cfg(test)]
