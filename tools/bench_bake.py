@@ -15,11 +15,9 @@ had, ETOPO1 of tests/data stands in and the results say so.
 """
 
 import argparse
-import datetime
 import json
 import os
 import pathlib
-import platform
 import statistics
 import sys
 import tempfile
@@ -27,8 +25,8 @@ import tempfile
 import numpy as np
 from osgeo import gdal
 
-from bench_commands import (BAKE, DATA, MOON_CRS, ROOT, Failed, bake, cog, decode_cog, decode_relief, fetch_moon, run,
-                            strip, together)
+from bench_commands import (BAKE, DATA, MOON_CRS, ROOT, Failed, bake, cog, decode_cog, decode_relief, fetch_moon,
+                            machine, run, strip, together)
 from bench_page import AIMS, geometric_mean, markdown, median
 
 # Integer DEMs on a regular grid: (file, relief's options). A local map keeps the source's pixels.
@@ -194,25 +192,6 @@ def build():
     if (ROOT / "formats/examples/decode.rs").exists():
         run("cargo", "build", "--release", "--locked", "--manifest-path", ROOT / "Cargo.toml", "-p", "relief-formats",
             "--example", "decode")
-
-
-def first_line(*command):
-    """The first line that a command prints, or `unknown`."""
-    try:
-        return run(*command)["output"].splitlines()[0]
-    except (Failed, OSError, IndexError):
-        return "unknown"
-
-
-def machine():
-    """What was measured on, with which versions, when."""
-    cpu = [line.split(":", 1)[1].strip() for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines()
-           if line.startswith("model name")]
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    return {"cpu": cpu[0] if cpu else platform.machine(), "cores": os.cpu_count(), "memory_gib": round(memory / (1 << 30)),
-            "system": f"{platform.system()} {platform.release()}", "gdal": gdal.__version__,
-            "rustc": first_line("rustc", "--version"), "relief": first_line(BAKE, "--version"),
-            "date": datetime.date.today().isoformat()}
 
 
 SECTIONS = ("wall", "lossless", "bounded", "decode", "memory", "open")

@@ -1,8 +1,10 @@
 """The commands that `bench_bake` measures: relief-bake, GDAL's tools, the Moon by pip."""
 
+import datetime
 import json
 import os
 import pathlib
+import platform
 import subprocess
 import sys
 import tarfile
@@ -136,3 +138,22 @@ def decode_relief(path, threads, first_only=False):
 def strip(runs):
     """Runs without what they printed."""
     return [{key: value for key, value in r.items() if key != "output"} for r in runs]
+
+
+def first_line(*command):
+    """The first line that a command prints, or `unknown`."""
+    try:
+        return run(*command)["output"].splitlines()[0]
+    except (Failed, OSError, IndexError):
+        return "unknown"
+
+
+def machine():
+    """What was measured on, with which versions, when."""
+    cpu = [line.split(":", 1)[1].strip() for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines()
+           if line.startswith("model name")]
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return {"cpu": cpu[0] if cpu else platform.machine(), "cores": os.cpu_count(), "memory_gib": round(memory / (1 << 30)),
+            "system": f"{platform.system()} {platform.release()}", "gdal": gdal.__version__,
+            "rustc": first_line("rustc", "--version"), "relief": first_line(BAKE, "--version"),
+            "date": datetime.date.today().isoformat()}

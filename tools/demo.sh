@@ -55,13 +55,15 @@ if ! command -v cargo >/dev/null; then
   export PATH="${HOME-}/.cargo/bin:$PATH"
 fi
 
-step 'Build relief-bake (the first build takes minutes)'
-cargo build --release --locked -p relief-tools || fail 'the build failed; the compiler said why above'
+step 'Build relief-bake and reliefd (the first build takes minutes)'
+cargo build --release --locked -p relief-tools -p relief-runtime --bins || fail 'the build failed; the compiler said why above'
 bake=${CARGO_TARGET_DIR:-$root/target}/release/relief-bake
+reliefd=${CARGO_TARGET_DIR:-$root/target}/release/reliefd
 
 mkdir -p "$out" || fail "cannot make the folder $out; choose another with --out"
 relief=$out/earth.relief
 picture=$out/earth.png
+view=$out/himalaya.png
 
 step "Bake the Earth from $source"
 "$bake" bake "$source" -o "$relief" --vertical egm96 --force || fail 'the bake failed; its message is above'
@@ -76,19 +78,28 @@ step 'Validate it, against the source too'
 step 'Draw it'
 "$bake" preview "$relief" -o "$picture" --size 1440 || fail 'the preview failed; its message is above'
 
+step 'Look at the Himalaya in the evening'
+"$reliefd" render "$relief" --camera 85,19,600000,5,-38 --sun 4,15 --size 1280x720 --out "$view" ||
+  fail 'the frame failed; its message is above'
+
 quoted_bake=$(printf '%q' "$bake")
+quoted_reliefd=$(printf '%q' "$reliefd")
 quoted_relief=$(printf '%q' "$relief")
 cat <<TEXT
 
 The Earth is ready:
   $(printf '%10d bytes  %s' "$(stat -c %s "$relief")" "$relief")
   $(printf '%10d bytes  %s' "$(stat -c %s "$picture")" "$picture")
-  tool:             $bake
+  $(printf '%10d bytes  %s' "$(stat -c %s "$view")" "$view")
+  tools:            $bake
+                    $reliefd
 
 Try next:
   $quoted_bake inspect $quoted_relief                     what is in the file
   $quoted_bake probe $quoted_relief 86.925 27.988         the height of Everest
   $quoted_bake export $quoted_relief -o earth.glb         the patch mesh for a glTF viewer
   $quoted_bake bake YOUR.tif -o yours.relief              your own heights
+  $quoted_reliefd render $quoted_relief --camera 7.6,45.2,60000,0,-20 --sun 80,10 --out alps.png
+  $quoted_reliefd report $quoted_relief -o report         speed against error, a page
   $quoted_bake --help                                     everything else
 TEXT

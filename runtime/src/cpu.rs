@@ -7,7 +7,7 @@ use relief_shaders::frame::{self, Style};
 use relief_shaders::leb::{self, ReliefTriangle};
 use relief_shaders::{paper, planet as shared};
 
-use crate::frame::{Frame, RenderError, Renderer, Scheme, Settings, Stats, style_of};
+use crate::frame::{Frame, RenderError, Renderer, Scheme, Settings, Stats, sea_of, style_of};
 use crate::planet::Planet;
 use crate::residency::{Capacity, Progress, Ram, Resident};
 use crate::view::{View, ViewError};
@@ -21,6 +21,7 @@ const MOST_TRIANGLES: u32 = 1 << 26;
 pub struct Cpu {
     resident: Resident<Ram>,
     style: Style,
+    sea_m: Vec<f32>,
 }
 
 impl Cpu {
@@ -31,7 +32,8 @@ impl Cpu {
     pub fn new(planet: Arc<Planet>, atlas_bytes: u64) -> Result<Self, RenderError> {
         let capacity = Capacity::within(atlas_bytes, u64::MAX)?;
         let style = style_of(&planet)?;
-        Ok(Self { resident: Resident::new(planet, capacity, Ram::new(capacity))?, style })
+        let sea_m = sea_of(&planet);
+        Ok(Self { sea_m, resident: Resident::new(planet, capacity, Ram::new(capacity))?, style })
     }
 
     /// The resident set.
@@ -78,15 +80,17 @@ impl Renderer for Cpu {
             return Err(ViewError::Size { width, height, limit: Some(1 << 14) }.into());
         }
         let uniform = view.uniform(self.resident.planet())?;
-        let style = Style { overlay: settings.overlay as u32, ..self.style };
+        settings.check()?;
+        let style = settings.style(&self.style);
         let mut clock = Clock(Instant::now());
         let (triangles, mut stats) = self.tessellate(&uniform, settings.scheme);
         stats.pass_ms.push(("tessellate", clock.lap_ms()));
         let places = frame::draw(self.resident.uniform(), &uniform, &triangles);
         stats.pass_ms.push(("draw", clock.lap_ms()));
-        let shaded = frame::shade(&self.resident.pages(), &uniform, &style, &places);
+        let (shaded, fetches) = frame::shade(&self.resident.pages(), &uniform, &style, &self.sea_m, &places);
         stats.pass_ms.push(("shade", clock.lap_ms()));
         stats.triangles = triangles.len() as u64;
+        stats.fetches = fetches;
         stats.tiles_missing = self.resident.ask_seen();
         stats.tiles_resident = self.resident.count();
         let frame = Frame::new([width, height], shaded, stats);

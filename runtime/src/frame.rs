@@ -6,24 +6,44 @@ mod picture;
 
 use std::time::{Duration, Instant};
 
+use relief_shaders::frame::Style;
+
 use crate::residency::Progress;
-use crate::view::View;
+use crate::view::{View, ViewError};
 
 pub use error::RenderError;
-pub use look::style_of;
+pub use look::{sea_of, style_of};
 pub use picture::Frame;
-pub use relief_shaders::frame::Overlay;
+pub use relief_shaders::frame::{Fetches, Overlay, Shadow};
 pub use relief_shaders::leb::{Corner, ReliefTriangle};
 
 /// How a view is drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settings {
     /// How relief becomes triangles.
     pub scheme: Scheme,
     /// What is drawn over the ground.
     pub overlay: Overlay,
+    /// How shadows are found.
+    pub shadow: Shadow,
+    /// Density of the air that lifts the sun, 1 on Earth at sea level; 0 for no refraction.
+    pub air: f32,
     /// Also fills [`Frame::places`].
     pub places: bool,
+}
+
+impl Settings {
+    pub(crate) fn style(&self, look: &Style) -> Style {
+        Style { overlay: self.overlay as u32, shadow: self.shadow as u32, air: self.air, ..*look }
+    }
+
+    /// Refuses what no kernel can draw with.
+    pub(crate) fn check(&self) -> Result<(), ViewError> {
+        match (0.0..=100.0).contains(&self.air) {
+            true => Ok(()),
+            false => Err(ViewError::Number { what: "density of the air", value: self.air.into(), rule: "0 to 100" }),
+        }
+    }
 }
 
 /// How relief becomes triangles.
@@ -60,6 +80,8 @@ pub struct Stats {
     pub tiles_resident: usize,
     /// Pages that the frame asked for and that are not there.
     pub tiles_missing: usize,
+    /// What the shadows' rays fetched.
+    pub fetches: Fetches,
     /// Milliseconds of each pass, in order; on a GPU by its own clock, where it has one.
     pub pass_ms: Vec<(&'static str, f64)>,
 }

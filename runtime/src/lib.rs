@@ -12,6 +12,7 @@ pub mod gpu;
 pub mod planet;
 pub mod report;
 pub mod residency;
+pub mod shadow;
 pub mod sun;
 pub mod view;
 

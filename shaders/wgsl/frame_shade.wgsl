@@ -1,5 +1,5 @@
 // Shades the pixels that `frame_draw` stored. Twin: src/frame/shade.rs, shade_pixel.
-// use: shade shade_ground
+// use: shade shade_ground shadow sea
 
 @group(1) @binding(0) var<uniform> view: View;
 @group(1) @binding(2) var places: texture_2d<u32>;
@@ -10,34 +10,59 @@
 @group(1) @binding(5) var<storage, read_write> distances: array<f32>;
 // East and north of the ground's unit normal.
 @group(1) @binding(6) var<storage, read_write> normals: array<u32>;
+// Rays, heights, extremes and steps; zeroed before.
+@group(1) @binding(7) var<storage, read_write> fetched: array<atomic<u32>, 4>;
 
-@compute @workgroup_size(8, 8)
-fn shade_pixels(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= view.width || id.y >= view.height {
-        return;
+// The grid of sea levels, read where the style says so.
+@group(1) @binding(8) var<uniform> sea_m: array<vec4<f32>, 4095>;
+
+var<workgroup> group_fetched: array<atomic<u32>, 4>;
+
+struct Shaded {
+    colour: u32,
+    distance_m: f32,
+    normal: u32,
+}
+
+fn shade_sky(ray: vec3<f32>) -> Shaded {
+    return Shaded(pack4x8unorm(vec4(to_srgb(sky_colour(view, ray)), 0.0)), 0.0, 0u);
+}
+
+fn sunlight(here: Ground, s: u32, t: u32, sun: vec3<f32>) -> f32 {
+    if style.shadow == NO_SHADOW {
+        return 1.0;
     }
-    let pixel = id.y * view.width + id.x;
-    let x = ((f32(id.x) + 0.5) * 2.0 / f32(view.width) - 1.0) * view.tan_x;
-    let y = (1.0 - (f32(id.y) + 0.5) * 2.0 / f32(view.height)) * view.tan_y;
-    let stretch = sqrt(1.0 + x * x + y * y);
-    let depth = textureLoad(depths, id.xy, 0);
-    if depth == 0.0 {
-        let ray = (view.forward.xyz + view.right.xyz * x + view.up.xyz * y) / stretch;
-        colours[pixel] = pack4x8unorm(vec4(to_srgb(sky_colour(view, ray)), 0.0));
-        distances[pixel] = 0.0;
-        normals[pixel] = 0u;
-        return;
+    let light = shadow_exact(s, t, here.level_m, here.level, sun, view.sun.w);
+    atomicAdd(&group_fetched[0], 1u);
+    atomicAdd(&group_fetched[1], light.heights);
+    atomicAdd(&group_fetched[2], light.extremes);
+    atomicAdd(&group_fetched[3], light.steps);
+    return light.visible;
+}
+
+fn sun_at(s: u32, t: u32) -> vec3<f32> {
+    var sun = view.sun.xyz;
+    if planet.plane == 0u {
+        sun = sun_local(view.sun.xyz, view.camera_s, s, t);
     }
-    let distance_m = view.forward.w / depth * stretch;
-    let place = textureLoad(places, id.xy, 0);
+    if style.air > 0.0 {
+        sun = refracted(sun, style.air);
+    }
+    return sun;
+}
+
+fn shade_ground(place: vec4<u32>, distance_m: f32) -> Shaded {
     let level = detail(view, distance_m);
     let here = ground_between(level, place.x, place.y, metres_per_unit(place.y));
-    let axes = horizon_axes(view, place.x, place.y);
-    let sun = vec3(dot(axes[0], view.sun.xyz), dot(axes[1], view.sun.xyz), dot(axes[2], view.sun.xyz));
-    let visible = 1.0;
+    let sun = sun_at(place.x, place.y);
+    let visible = sunlight(here, place.x, place.y, sun);
     let slope = vec2(here.east, here.north);
     let steep = slope * exaggeration(distance_m / view.right.w);
-    var colour = ground_colour(here.height_m, steep, sun, visible);
+    var sea = 0.0;
+    if style.sea == SEA_GRID {
+        sea = sea_level_m(place.x, place.y);
+    }
+    var colour = ground_colour(here.height_m - sea, steep, sun, visible);
     if style.overlay == DETAIL {
         colour = mix(colour, detail_colour(i32(place.z & 255u) - 128), 0.45);
     }
@@ -45,7 +70,30 @@ fn shade_pixels(@builtin(global_invocation_id) id: vec3<u32>) {
         let edge = f32((place.z >> 8u) & 255u) / 32.0;
         colour = mix(vec3(0.01, 0.012, 0.02), colour, 0.25 + 0.75 * smoothstep(0.2, 0.8, edge));
     }
-    colours[pixel] = pack4x8unorm(vec4(to_srgb(colour), visible));
-    distances[pixel] = distance_m;
-    normals[pixel] = pack2x16snorm(normalize(vec3(-slope, 1.0)).xy);
+    let normal = normalize(vec3(-slope, 1.0));
+    return Shaded(pack4x8unorm(vec4(to_srgb(colour), visible)), distance_m, pack2x16snorm(normal.xy));
+}
+
+@compute @workgroup_size(8, 8)
+fn shade_pixels(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    if id.x < view.width && id.y < view.height {
+        let x = ((f32(id.x) + 0.5) * 2.0 / f32(view.width) - 1.0) * view.tan_x;
+        let y = (1.0 - (f32(id.y) + 0.5) * 2.0 / f32(view.height)) * view.tan_y;
+        let stretch = sqrt(1.0 + x * x + y * y);
+        let depth = textureLoad(depths, id.xy, 0);
+        var shaded: Shaded;
+        if depth == 0.0 {
+            shaded = shade_sky((view.forward.xyz + view.right.xyz * x + view.up.xyz * y) / stretch);
+        } else {
+            shaded = shade_ground(textureLoad(places, id.xy, 0), view.forward.w / depth * stretch);
+        }
+        let pixel = id.y * view.width + id.x;
+        colours[pixel] = shaded.colour;
+        distances[pixel] = shaded.distance_m;
+        normals[pixel] = shaded.normal;
+    }
+    workgroupBarrier();
+    if local < 4u {
+        atomicAdd(&fetched[local], atomicLoad(&group_fetched[local]));
+    }
 }

@@ -7,9 +7,9 @@ use memmap2::{Mmap, MmapMut};
 
 use super::FormatError;
 
-/// Maps a file read-only.
+/// Maps a file read-only; the file stays open, so that its size can be asked for.
 #[allow(unsafe_code, reason = "a memory map is unsafe by nature")]
-pub fn map(path: &Path) -> Result<Mmap, FormatError> {
+pub fn map(path: &Path) -> Result<(Mmap, File), FormatError> {
     let io = |action: &'static str| move |error| FormatError::Io { action, path: path.to_path_buf(), error };
     let file = File::open(path).map_err(io("cannot open"))?;
     let length = file.metadata().map_err(io("cannot read the size of"))?.len();
@@ -18,7 +18,8 @@ pub fn map(path: &Path) -> Result<Mmap, FormatError> {
     }
     // SAFETY: files are published whole by rename and never edited in place (SPEC, "Publishing"),
     // so the bytes do not change under the map.
-    unsafe { Mmap::map(&file) }.map_err(io("cannot map"))
+    let map = unsafe { Mmap::map(&file) }.map_err(io("cannot map"))?;
+    Ok((map, file))
 }
 
 /// A private copy of bytes that came from elsewhere.

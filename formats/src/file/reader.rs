@@ -1,6 +1,7 @@
 //! Opening a file and finding its parts. Nothing is decoded and nothing is allocated that the
 //! file's own size does not pay for.
 
+use std::fs::File;
 use std::path::Path;
 
 use memmap2::Mmap;
@@ -18,6 +19,8 @@ use crate::tile::TileKey;
 /// An open file: its header and metadata are checked, its tiles are checked when they are read.
 pub struct Relief {
     map: Mmap,
+    /// None for a copy in memory.
+    file: Option<File>,
     header: Header,
     metadata: Metadata,
     sections: Vec<Section>,
@@ -28,7 +31,8 @@ pub struct Relief {
 impl Relief {
     /// Maps and checks a file: header, length, tail, section table, metadata.
     pub fn open(path: &Path) -> Result<Self, FormatError> {
-        Self::check(super::map::map(path)?)
+        let (map, file) = super::map::map(path)?;
+        Ok(Self { file: Some(file), ..Self::check(map)? })
     }
 
     /// Checks a file that is in memory already, and keeps a copy of it.
@@ -77,7 +81,24 @@ impl Relief {
         }
         let metadata = Metadata::decode(&map[meta])?;
         adopt_names(&mut header.body, &metadata.body)?;
-        Ok(Self { map, header, metadata, sections, index, tiles })
+        Ok(Self { map, file: None, header, metadata, sections, index, tiles })
+    }
+
+    /// That the file was not cut since it was opened: reading what a cut took away ends the
+    /// process. For programs that run long, before they read; costs a system call.
+    ///
+    /// # Errors
+    /// [`FormatError::Damaged`] with the size that is left, or [`FormatError::Io`].
+    pub fn check_whole(&self) -> Result<(), FormatError> {
+        let Some(file) = &self.file else { return Ok(()) };
+        let io = |error| FormatError::Io { action: "cannot read the size of", path: "the open file".into(), error };
+        let bytes = file.metadata().map_err(io)?.len();
+        match bytes < self.map.len() as u64 {
+            true => {
+                Err(FormatError::damaged(format!("cut to {bytes} of {} bytes since it was opened", self.map.len())))
+            }
+            false => Ok(()),
+        }
     }
 
     /// The header's numbers.

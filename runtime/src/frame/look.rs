@@ -2,7 +2,10 @@
 
 use relief_formats::file::FormatError;
 use relief_formats::tile::TileKey;
+use relief_front::picture::geoid::egm96_m;
 use relief_shaders::frame::Style;
+use relief_shaders::frame::sea::SEA_NODES;
+use relief_shaders::frame::style::Shore;
 
 use crate::planet::Planet;
 
@@ -20,5 +23,19 @@ pub fn style_of(planet: &Planet) -> Result<Style, FormatError> {
         let nodes = planet.tiles().nodes(TileKey::new(root, x, 0))?;
         heights_m.extend(nodes.iter().map(|&q| q as f32 * step_m));
     }
-    Ok(Style::of(planet.relief().body(), &heights_m))
+    let mut style = Style::of(planet.relief().body(), &heights_m);
+    if style.sea == Shore::Ellipsoid as u32 && stands_on_egm96(planet) {
+        style.sea = Shore::Grid as u32;
+    }
+    Ok(style)
+}
+
+/// Sea levels for the look of a planet: of EGM96 where that geoid was added to the heights.
+#[must_use]
+pub fn sea_of(planet: &Planet) -> Vec<f32> {
+    if stands_on_egm96(planet) { egm96_m() } else { vec![0.0; SEA_NODES] }
+}
+
+fn stands_on_egm96(planet: &Planet) -> bool {
+    planet.relief().metadata().vertical.contains("EGM96")
 }

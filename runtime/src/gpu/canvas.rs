@@ -15,6 +15,8 @@ pub(super) struct Canvas {
     pub view: wgpu::Buffer,
     pub style: wgpu::Buffer,
     pub lists: Lists,
+    /// What the shadows' rays fetched: rays, heights, extremes, steps.
+    pub fetched: wgpu::Buffer,
     /// Of the last picture's size.
     pub sized: Option<(Targets, Groups)>,
 }
@@ -23,7 +25,9 @@ impl Canvas {
     pub fn new(device: &Device, tessellation: &Tessellation, style: &Style) -> Self {
         let view = kernel::uniform(device, "view", &shared::View::default());
         let lists = Lists::new(device, tessellation, &view, CAPACITY);
-        Self { style: kernel::uniform(device, "style", style), view, lists, sized: None }
+        let counts = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let fetched = kernel::empty(device, "fetched", 16, counts);
+        Self { fetched, style: kernel::uniform(device, "style", style), view, lists, sized: None }
     }
 
     /// Targets of a size, and what view and style are.
@@ -32,7 +36,7 @@ impl Canvas {
         if self.sized.as_ref().is_none_or(|(targets, _)| targets.size != size) {
             self.sized = None;
             let targets = Targets::new(device, size);
-            let groups = picture.groups(device, atlas, [&self.view, &self.style], &self.lists, &targets);
+            let groups = picture.groups(device, atlas, [&self.view, &self.style, &self.fetched], &self.lists, &targets);
             self.sized = Some((targets, groups));
         }
         device.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(view));

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use relief_shaders::frame::{Places, Shaded, Style};
+use relief_shaders::frame::Style;
 use relief_shaders::planet as shared;
 
 use super::atlas::Atlas;
@@ -13,11 +13,11 @@ use super::device::{Device, DeviceError};
 use super::pending::{Finished, Pending};
 use super::picture::Picture;
 use super::present::{HostTargets, Present};
-use super::readback::{Mapping, Readback};
+use super::readback::Readback;
 use super::targets::Targets;
 use super::tessellate::Tessellation;
 use super::timestamps::Timestamps;
-use crate::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings, Stats, style_of};
+use crate::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings, Stats, sea_of, style_of};
 use crate::planet::Planet;
 use crate::residency::{Progress, Resident};
 use crate::view::View;
@@ -52,23 +52,31 @@ impl Gpu {
     pub fn new(device: &Device, planet: Arc<Planet>, atlas_bytes: u64) -> Result<Self, RenderError> {
         let capacity = Atlas::capacity(device, atlas_bytes)?;
         let style = style_of(&planet)?;
+        let sea_m = sea_of(&planet);
         let atlas = Atlas::new(device, &planet, capacity)?;
-        let resident = Resident::new(planet, capacity, atlas)?;
-        let gpu = device.guard(|| {
-            let tessellation = Tessellation::new(device);
-            Self {
-                picture: Picture::new(device),
-                present: Present::new(device),
-                timestamps: Timestamps::new(device, TIMED),
-                canvas: Canvas::new(device, &tessellation, &style),
-                device: device.clone(),
-                resident,
-                tessellation,
-                style,
-                in_flight: VecDeque::new(),
-                stats: Stats::default(),
-                passes: u32::MAX,
-            }
+        // Drivers take their time over pipelines.
+        let (resident, (tessellation, picture)) = rayon::join(
+            || Resident::new(planet, capacity, atlas),
+            || {
+                rayon::join(
+                    || device.guard(|| Tessellation::new(device)),
+                    || device.guard(|| Picture::new(device, &sea_m)),
+                )
+            },
+        );
+        let (resident, tessellation, picture) = (resident?, tessellation?, picture?);
+        let gpu = device.guard(|| Self {
+            picture,
+            present: Present::new(device),
+            timestamps: Timestamps::new(device, TIMED),
+            canvas: Canvas::new(device, &tessellation, &style),
+            device: device.clone(),
+            resident,
+            tessellation,
+            style,
+            in_flight: VecDeque::new(),
+            stats: Stats::default(),
+            passes: u32::MAX,
         })?;
         Ok(gpu)
     }
@@ -149,7 +157,8 @@ impl Gpu {
     ) -> Result<Pending, RenderError> {
         let uniform = view.uniform(self.resident.planet())?;
         Targets::check(&self.device, [view.width, view.height])?;
-        let style = Style { overlay: settings.overlay as u32, ..self.style };
+        settings.check()?;
+        let style = settings.style(&self.style);
         let device = self.device.clone();
         let pending = device.guard(|| {
             self.canvas.set(&device, &self.picture, self.resident.store(), &uniform, &style);
@@ -159,10 +168,16 @@ impl Gpu {
                 self.present.encode(&device, &mut encoder, &self.canvas.view, targets, host);
             }
             let control = Readback::of(&device, &mut encoder, &self.canvas.lists.control);
+            let fetched = Readback::of(&device, &mut encoder, &self.canvas.fetched);
             let seen = self.resident.store().take_seen(&mut encoder);
             let times = self.timestamps.read(&device, &mut encoder);
             device.queue().submit([encoder.finish()]);
-            Pending { control: control.map(), seen: seen.map(), times: times.map(Readback::map) }
+            Pending {
+                control: control.map(),
+                fetched: fetched.map(),
+                seen: seen.map(),
+                times: times.map(Readback::map),
+            }
         })?;
         Ok(pending)
     }
@@ -180,6 +195,7 @@ impl Gpu {
             let buffers = (atlas, lists);
             self.tessellation.encode(&self.device, &mut pass, buffers, (planet, view), (scheme, passes));
         }
+        encoder.clear_buffer(&self.canvas.fetched, 0, None);
         self.picture.draw(encoder, groups, lists, targets, self.timestamps.render(1));
         let mut pass = encoder.begin_compute_pass(&timed(2));
         self.picture.shade(&mut pass, atlas, groups, targets.size);
@@ -198,60 +214,21 @@ impl Gpu {
             overflow: control.overflow != 0 || control.count_in != 0,
             tiles_missing: self.resident.ask_record(&finished.seen),
             tiles_resident: self.resident.count(),
+            fetches: finished.fetches,
             pass_ms: finished.pass_ms,
         };
-    }
-
-    /// The last frame in RAM.
-    fn read(&self, settings: &Settings) -> Result<Frame, DeviceError> {
-        let Some((targets, _)) = &self.canvas.sized else { return Ok(Frame::default()) };
-        let device = &self.device;
-        let (words, places) = device.guard(|| {
-            let mut encoder = device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let words = [&targets.colours, &targets.distances, &targets.normals]
-                .map(|buffer| Readback::of(device, &mut encoder, buffer));
-            let places = settings.places.then(|| targets.read_places(device, &mut encoder));
-            device.queue().submit([encoder.finish()]);
-            (words.map(Readback::map), places.map(|rows| rows.map(|rows| rows.map())))
-        })?;
-        let [colours, distances, normals] = words;
-        let shaded = Shaded {
-            colours: colours.wait(device)?,
-            distances_m: distances.wait(device)?,
-            normals: normals.wait(device)?,
-        };
-        let frame = Frame::new(targets.size, shaded, self.stats.clone());
-        let Some([(places, compact_places), (depths, compact_depths)]) = places else { return Ok(frame) };
-        let words = |mapping: &Mapping| mapping.wait::<u32>(device);
-        let drawn = Places {
-            width: targets.size[0],
-            places: compact_places(&words(&places)?).chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect(),
-            depths: compact_depths(&words(&depths)?).into_iter().map(f32::from_bits).collect(),
-        };
-        Ok(frame.with_places(&drawn))
     }
 }
 
 impl Renderer for Gpu {
     fn mesh(&mut self, view: &View, scheme: Scheme) -> Result<Vec<ReliefTriangle>, RenderError> {
         self.draw(view, &Settings { scheme, ..Settings::default() })?;
-        let device = &self.device;
-        let bytes = self.stats.triangles * size_of::<ReliefTriangle>() as u64;
-        if bytes == 0 {
-            return Ok(Vec::new());
-        }
-        let mapping = device.guard(|| {
-            let mut encoder = device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let readback = Readback::first(device, &mut encoder, &self.canvas.lists.relief, bytes);
-            device.queue().submit([encoder.finish()]);
-            readback.map()
-        })?;
-        Ok(mapping.wait(device)?)
+        Ok(self.canvas.read_mesh(&self.device, self.stats.triangles)?)
     }
 
     fn render(&mut self, view: &View, settings: &Settings) -> Result<Frame, RenderError> {
         self.draw(view, settings)?;
-        Ok(self.read(settings)?)
+        Ok(self.canvas.read(&self.device, settings, self.stats.clone())?)
     }
 
     fn update(&mut self, budget: Duration) -> Progress {
@@ -273,7 +250,7 @@ impl Renderer for Gpu {
                 progress.full && progress.loaded == 0
             };
             if done {
-                return Ok(self.read(settings)?);
+                return Ok(self.canvas.read(&self.device, settings, self.stats.clone())?);
             }
         }
     }

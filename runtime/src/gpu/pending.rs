@@ -1,5 +1,6 @@
 //! What a submitted frame leaves to be read: the pages it asked for, counts, times.
 
+use relief_shaders::frame::Fetches;
 use relief_shaders::paper::Control;
 
 use super::device::{Device, DeviceError};
@@ -9,6 +10,7 @@ use super::timestamps::Timestamps;
 /// Of a frame that may not be finished yet.
 pub(super) struct Pending {
     pub control: Mapping,
+    pub fetched: Mapping,
     pub seen: Mapping,
     pub times: Option<Mapping>,
 }
@@ -17,6 +19,7 @@ pub(super) struct Pending {
 pub(super) struct Finished {
     pub control: Control,
     pub seen: Vec<u32>,
+    pub fetches: Fetches,
     pub pass_ms: Vec<(&'static str, f64)>,
 }
 
@@ -42,7 +45,10 @@ impl Pending {
     }
 
     fn rest(self, device: &Device, timestamps: &Timestamps, control: &[Control]) -> Result<Finished, DeviceError> {
+        let fetched = self.fetched.wait::<u32>(device)?;
+        let count = |k: usize| fetched.get(k).copied().map_or(0, u64::from);
         Ok(Finished {
+            fetches: Fetches { rays: count(0), heights: count(1), extremes: count(2), steps: count(3) },
             control: control.first().copied().unwrap_or_default(),
             seen: self.seen.wait(device)?,
             pass_ms: match self.times {

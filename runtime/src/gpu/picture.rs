@@ -16,6 +16,7 @@ pub(super) struct Picture {
     pixels: wgpu::BindGroupLayout,
     draw: wgpu::RenderPipeline,
     shade: wgpu::ComputePipeline,
+    sea: wgpu::Buffer,
 }
 
 /// Groups over one view's buffers.
@@ -26,25 +27,31 @@ pub(super) struct Groups {
 }
 
 impl Picture {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(device: &Device, sea_m: &[f32]) -> Self {
         use Binding::{Depth, Integers, Read, ReadWrite, Uniform};
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let planet = kernel::layout_for(device, "planet", stages, [(0, Uniform)]);
         let corners = kernel::layout_for(device, "corners", wgpu::ShaderStages::VERTEX, [(0, Uniform), (1, Read)]);
-        let pixels =
-            kernel::layout(device, "pixels", &[Uniform, Uniform, Integers, Depth, ReadWrite, ReadWrite, ReadWrite]);
+        let pixels = kernel::layout(
+            device,
+            "pixels",
+            &[Uniform, Uniform, Integers, Depth, ReadWrite, ReadWrite, ReadWrite, ReadWrite, Uniform],
+        );
         let layout = kernel::pipeline_layout(device, &[Some(&Atlas::layout(device)), Some(&pixels)]);
         let module = kernel::module(device, "frame_shade", kernels::FRAME_SHADE);
         let shade = kernel::pipeline(device, &layout, &module, "shade_pixels");
         let draw = draw_pipeline(device, &[Some(&planet), Some(&corners)]);
-        Self { planet, corners, pixels, draw, shade }
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let sea = kernel::empty(device, "sea", size_of_val(sea_m) as u64, usage);
+        device.queue().write_buffer(&sea, 0, bytemuck::cast_slice(sea_m));
+        Self { planet, corners, pixels, draw, shade, sea }
     }
 
     pub fn groups(
         &self,
         device: &Device,
         atlas: &Atlas,
-        [view, style]: [&wgpu::Buffer; 2],
+        [view, style, fetched]: [&wgpu::Buffer; 3],
         lists: &Lists,
         targets: &Targets,
     ) -> Groups {
@@ -64,6 +71,8 @@ impl Picture {
                     whole(&targets.colours),
                     whole(&targets.distances),
                     whole(&targets.normals),
+                    whole(fetched),
+                    whole(&self.sea),
                 ],
             ),
         }

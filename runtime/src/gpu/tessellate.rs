@@ -1,6 +1,8 @@
 //! The passes of the schemes on the GPU; their protocols are those of `relief_shaders::leb` and
 //! `relief_shaders::paper`.
 
+use std::sync::OnceLock;
+
 use relief_shaders::frame::uniform::UniformMesh;
 use relief_shaders::paper::{Control, patch};
 use relief_shaders::{kernels, leb, paper, planet as shared};
@@ -18,35 +20,27 @@ pub(super) struct Tessellation {
     /// Group 0 of what runs between passes.
     pub steer: wgpu::BindGroupLayout,
     cells: wgpu::BindGroupLayout,
+    args: wgpu::ComputePipeline,
     /// Start and pass of `leb`.
     leb: [wgpu::ComputePipeline; 2],
-    /// Start and pass of `paper`.
-    paper: [wgpu::ComputePipeline; 2],
-    args: wgpu::ComputePipeline,
-    uniform: wgpu::ComputePipeline,
+    /// Start and pass of `paper`, compiled when they are first needed.
+    paper: OnceLock<[wgpu::ComputePipeline; 2]>,
+    /// Compiled when it is first needed.
+    uniform: OnceLock<wgpu::ComputePipeline>,
 }
 
 impl Tessellation {
     pub fn new(device: &Device) -> Self {
         use Binding::{Read, ReadWrite, Uniform};
-        let pages = Atlas::layout(device);
         let lists = kernel::layout(device, "lists", &[Uniform, Uniform, Read, ReadWrite, ReadWrite, ReadWrite]);
         let steer = kernel::layout(device, "steer", &[Uniform, ReadWrite, ReadWrite]);
         let cells = kernel::layout(device, "cells", &[Uniform, ReadWrite]);
-        let of = |name, source, groups: &[Option<&wgpu::BindGroupLayout>]| {
-            let layout = kernel::pipeline_layout(device, groups);
-            kernel::pipeline(device, &layout, &kernel::module(device, name, source), name)
-        };
-        let pass = |name, source| of(name, source, &[Some(&pages), Some(&lists)]);
-        Self {
-            leb: [pass("leb_start", kernels::LEB_START), pass("leb_pass", kernels::LEB_PASS)],
-            paper: [pass("paper_start", kernels::PAPER_START), pass("paper_pass", kernels::PAPER_PASS)],
-            args: of("leb_args", kernels::LEB_ARGS, &[Some(&steer)]),
-            uniform: of("frame_uniform", kernels::FRAME_UNIFORM, &[Some(&pages), Some(&cells)]),
-            lists,
-            steer,
-            cells,
-        }
+        let steering = kernel::pipeline_layout(device, &[Some(&steer)]);
+        let args =
+            kernel::pipeline(device, &steering, &kernel::module(device, "leb_args", kernels::LEB_ARGS), "leb_args");
+        let passes = [("leb_start", kernels::LEB_START), ("leb_pass", kernels::LEB_PASS)];
+        let leb = passes.map(|pass| over_pages(device, &lists, pass));
+        Self { leb, paper: OnceLock::new(), uniform: OnceLock::new(), args, lists, steer, cells }
     }
 
     /// The passes that surely suffice.
@@ -74,7 +68,11 @@ impl Tessellation {
             Scheme::Leb => self.bisect(pass, &self.leb, (atlas, lists), 1, passes),
             Scheme::Paper => {
                 let groups = patch::start_count(planet).div_ceil(GROUP);
-                self.bisect(pass, &self.paper, (atlas, lists), groups, passes);
+                let pipelines = self.paper.get_or_init(|| {
+                    let passes = [("paper_start", kernels::PAPER_START), ("paper_pass", kernels::PAPER_PASS)];
+                    passes.map(|pass| over_pages(device, &self.lists, pass))
+                });
+                self.bisect(pass, pipelines, (atlas, lists), groups, passes);
             }
             Scheme::Uniform { level } => self.uniform(device, pass, (atlas, lists), planet, level),
         }
@@ -136,9 +134,20 @@ impl Tessellation {
         lists.set_ready(device, &control);
         let mesh = kernel::uniform(device, "uniform mesh", &UniformMesh { level, columns, rows, padding: 0 });
         let group = kernel::group(device, &self.cells, &[&mesh, &lists.relief].map(wgpu::Buffer::as_entire_binding));
-        pass.set_pipeline(&self.uniform);
+        let kernel = ("frame_uniform", kernels::FRAME_UNIFORM);
+        pass.set_pipeline(self.uniform.get_or_init(|| over_pages(device, &self.cells, kernel)));
         pass.set_bind_group(0, atlas.group(), &[]);
         pass.set_bind_group(1, &group, &[]);
         pass.dispatch_workgroups(columns.div_ceil(8), rows.div_ceil(8), 1);
     }
+}
+
+/// The pipeline of a kernel whose group 0 is the pages'; the entry point has the kernel's name.
+fn over_pages(
+    device: &Device,
+    group: &wgpu::BindGroupLayout,
+    (name, source): (&str, &'static str),
+) -> wgpu::ComputePipeline {
+    let layout = kernel::pipeline_layout(device, &[Some(&Atlas::layout(device)), Some(group)]);
+    kernel::pipeline(device, &layout, &kernel::module(device, name, source), name)
 }

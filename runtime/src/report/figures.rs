@@ -18,7 +18,7 @@ pub struct Figure {
 pub const NAMES: [&str; 3] = ["triangles-against-error.svg", "promise.svg", "fetches.svg"];
 
 const WIDTH: f64 = 480.0;
-const LEFT: f64 = 62.0;
+const LEFT: f64 = 78.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 40.0;
 const BOTTOM: f64 = 300.0;

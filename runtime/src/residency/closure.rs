@@ -36,6 +36,21 @@ pub(super) fn touching(grid: Grid, key: TileKey) -> Vec<TileKey> {
     tiles
 }
 
+/// The tile of the same level some columns and rows on. The seam is crossed, a pole is not.
+pub(super) fn beside(grid: Grid, key: TileKey, dx: i64, dy: i64) -> Option<TileKey> {
+    let (columns, rows) = (i64::from(grid.tiles_x(key.level)), i64::from(grid.tiles_y(key.level)));
+    let (x, y) = (i64::from(key.x) + dx, i64::from(key.y) + dy);
+    let x = if grid.plane { x } else { x.rem_euclid(columns) };
+    ((0..columns).contains(&x) && (0..rows).contains(&y)).then(|| TileKey::new(key.level, x as u32, y as u32))
+}
+
+/// The tiles of the next finer level that touch a tile's closed area.
+pub(super) fn within_and_about(grid: Grid, key: TileKey) -> impl Iterator<Item = TileKey> {
+    let first = key.level.checked_sub(1).map(|level| TileKey::new(level, 2 * key.x, 2 * key.y));
+    let around = (-1..=2).flat_map(|dy| (-1..=2).map(move |dx| (dx, dy)));
+    first.into_iter().flat_map(move |first| around.clone().filter_map(move |(dx, dy)| beside(grid, first, dx, dy)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -72,6 +87,21 @@ mod tests {
             };
             let mut expected: Vec<TileKey> = super::level(grid, level + 1).filter(meets).collect();
             let mut found = touching(grid, key);
+            expected.sort();
+            found.sort();
+            found.dedup();
+            prop_assert_eq!(found, expected);
+        }
+
+        #[test]
+        fn those_within_and_about_are_those_that_touch(m in 9u32..13, level in 1u32..4, pick: u32, plane: bool) {
+            let grid = Grid::new(m, plane);
+            prop_assume!(level <= grid.root_level());
+            let (columns, rows) = (grid.tiles_x(level), grid.tiles_y(level));
+            let key = TileKey::new(level, pick % columns, (pick >> 8) % rows);
+            let mut found: Vec<TileKey> = within_and_about(grid, key).collect();
+            let mut expected: Vec<TileKey> =
+                super::level(grid, level - 1).filter(|&finer| touching(grid, finer).contains(&key)).collect();
             expected.sort();
             found.sort();
             found.dedup();

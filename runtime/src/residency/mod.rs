@@ -5,14 +5,19 @@
 //! there as used and queues what is not; [`Resident::update`] loads within a time budget. A page
 //! enters only after all pages of the next coarser level that touch it, and leaves only before
 //! them: so wherever a kernel finds a page, it finds what stands in for its neighbours too.
+//!
+//! A tile that a sparse file lacks becomes a page like any other, with interpolated nodes and codes
+//! made for them: only so do flat triangles follow S_0 between coarse nodes, and the ellipsoid.
 
 mod capacity;
 mod closure;
 mod crown;
+mod demand;
 mod loader;
 mod page;
 mod ram;
 mod slots;
+mod supply;
 mod table;
 mod wants;
 
@@ -33,11 +38,6 @@ use wants::Wants;
 pub use capacity::{Capacity, CapacityError};
 pub use page::Page;
 pub use ram::Ram;
-
-/// Tiles of the coarsest levels that are never dropped: at most this share of the slots.
-const PINNED_SHARE: u32 = 4;
-/// Levels below the root that are never dropped.
-const PINNED_LEVELS: u32 = 2;
 
 /// Where pages are put: a GPU's buffers or RAM.
 pub trait Store {
@@ -64,7 +64,8 @@ pub struct Progress {
 
 /// Why a tile never enters.
 enum Unavailable {
-    /// The file has no such tile: a coarser one holds its heights.
+    /// The file has no such tile but finer ones that touch it, against its format's rules: a
+    /// coarser one holds its heights.
     Absent,
     /// Its bytes, or those of a tile it is decoded from.
     Damaged(FormatError),
@@ -81,6 +82,8 @@ pub struct Resident<S> {
     unavailable: HashMap<TileKey, Unavailable>,
     /// Decoded pages that wait for a coarser one.
     ready: BTreeMap<TileKey, Page>,
+    /// Tiles that are always wanted.
+    pinned: Vec<TileKey>,
     /// The pages asked for belong to a new round when an update came in between.
     updated: bool,
 }
@@ -99,6 +102,7 @@ impl<S: Store> Resident<S> {
             wants: Wants::default(),
             unavailable: HashMap::new(),
             ready: BTreeMap::new(),
+            pinned: pinned(&planet, capacity.slots()),
             updated: true,
             planet,
             uniform,
@@ -211,106 +215,23 @@ impl<S: Store> Resident<S> {
             Unavailable::Absent => None,
         })
     }
+}
 
-    /// Marks the finest tile at or above `key` that the file can give, with what it rests on, as
-    /// used and wanted. True when a page lacks.
-    fn want(&mut self, mut key: TileKey) -> bool {
-        if self.slots.touch(key) {
-            return false;
+/// The tiles that a file has of its coarsest levels, as long as they are a small part of the slots.
+fn pinned(planet: &Planet, slots: u32) -> Vec<TileKey> {
+    let (grid, relief) = (planet.grid(), planet.relief());
+    let (root, mut keys) = (grid.root_level(), Vec::new());
+    for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
+        // What cannot be read is an error when it is asked for.
+        let find = |key| relief.check_whole().and_then(|()| relief.find(key));
+        let stored: Vec<TileKey> =
+            closure::level(grid, level).filter(|&key| matches!(find(key), Ok(Some(_)))).collect();
+        if level < root && (keys.len() + stored.len()) * PINNED_SHARE as usize > slots as usize {
+            break;
         }
-        let root = self.planet.grid().root_level();
-        while !self.available(key) {
-            if key.level >= root {
-                return false;
-            }
-            key = key.parent();
-        }
-        if self.slots.touch(key) {
-            return false;
-        }
-        if self.wants.insert(key) {
-            for below in closure::touching(self.planet.grid(), key) {
-                self.want(below);
-            }
-        }
-        true
+        keys.extend(stored);
     }
-
-    fn available(&mut self, key: TileKey) -> bool {
-        if self.slots.find(key).is_some() {
-            return true;
-        }
-        if self.unavailable.contains_key(&key) {
-            return false;
-        }
-        match self.planet.relief().find(key) {
-            // A tile is decoded from its parent.
-            Ok(Some(_)) => key.level >= self.planet.grid().root_level() || self.available(key.parent()),
-            Ok(None) => {
-                self.unavailable.insert(key, Unavailable::Absent);
-                false
-            }
-            Err(error) => {
-                self.unavailable.insert(key, Unavailable::Damaged(error));
-                false
-            }
-        }
-    }
-
-    fn want_pinned(&mut self) {
-        let grid = self.planet.grid();
-        let root = grid.root_level();
-        let mut tiles = 0;
-        for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
-            tiles += grid.tiles_x(level) * grid.tiles_y(level);
-            if level == root || tiles * PINNED_SHARE <= self.slots.capacity() {
-                closure::level(grid, level).for_each(|key| {
-                    self.want(key);
-                });
-            }
-        }
-    }
-
-    /// Keeps the workers busy with what can find room.
-    fn dispatch(&mut self) {
-        let busy = self.loader.in_flight() + self.ready.len();
-        let room = self.slots.room(self.loader.limit()).saturating_sub(busy);
-        let start = room.min(self.loader.limit().saturating_sub(busy));
-        let next: Vec<TileKey> = self
-            .wants
-            .iter()
-            .filter(|key| !self.loader.is_loading(*key) && !self.ready.contains_key(key))
-            .take(start)
-            .collect();
-        next.into_iter().for_each(|key| self.loader.start(key));
-    }
-
-    /// Lets decoded pages enter, coarsest first.
-    fn enter_ready(&mut self, progress: &mut Progress) {
-        self.ready.retain(|&key, _| self.wants.contains(key));
-        while let Some(&key) = self.ready.keys().find(|&&key| self.rests(key)) {
-            let Some(page) = self.ready.remove(&key) else { break };
-            let Some(dropped) = self.enter(key, &page) else {
-                self.ready.insert(key, page);
-                break;
-            };
-            progress.loaded += 1;
-            progress.dropped += dropped;
-        }
-    }
-
-    /// True when no page that `key` rests on is still to come.
-    fn rests(&self, key: TileKey) -> bool {
-        closure::touching(self.planet.grid(), key).into_iter().all(|below| !self.wants.contains(below))
-    }
-
-    /// Puts a page into a slot; how many pages had to leave, or none when there is no room.
-    fn enter(&mut self, key: TileKey, page: &Page) -> Option<usize> {
-        let (slot, dropped) = self.slots.enter(key)?;
-        self.store.write_page(slot, page);
-        self.wants.remove(key);
-        Some(usize::from(dropped))
-    }
+    keys
 }
 
 #[cfg(test)]

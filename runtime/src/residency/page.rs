@@ -9,6 +9,7 @@ use relief_formats::tile::TileKey;
 use relief_shaders::pages::{BLOCKS, BOUND_WORDS, EXTREME_WORDS, HEIGHT_WORDS};
 
 use super::crown::Crown;
+use super::lacking::Lacking;
 use crate::planet::Planet;
 
 /// Tiles whose bounds are kept, so that finer ones are cut to them without decoding them again.
@@ -28,22 +29,28 @@ pub(super) struct Decoder {
     planet: Arc<Planet>,
     bounds: Cache<TileKey, Arc<Vec<Extremes>>>,
     crown: Crown,
+    lacking: Lacking,
 }
 
 impl Decoder {
     pub fn new(planet: Arc<Planet>) -> Self {
-        Self { planet, bounds: Cache::new(KEPT_BOUNDS), crown: Crown::default() }
+        let lacking = Lacking::new(Arc::clone(&planet));
+        Self { planet, bounds: Cache::new(KEPT_BOUNDS), crown: Crown::default(), lacking }
     }
 
-    /// The page of a tile that the file has.
+    /// The page of a tile, which below the root level the file need not have.
     pub fn page(&self, key: TileKey) -> Result<Page, FormatError> {
+        self.planet.relief().check_whole()?;
         let step_m = self.planet.relief().step_m() as f32;
         let metres = |q: i32| q as f32 * step_m;
         let nodes = self.planet.tiles().nodes(key)?;
         let extremes = self.nested(key)?;
         let codes = match key.level == self.planet.grid().root_level() {
             true => self.crown.tile(&self.planet, key)?,
-            false => self.planet.tiles().deviations(key)?.unwrap_or_default(),
+            false => match self.planet.tiles().deviations(key)? {
+                Some(codes) => codes,
+                None => self.lacking.codes(key)?.to_vec(),
+            },
         };
         let heights: Vec<f32> = nodes.iter().map(|&q| metres(q)).collect();
         let mut bounds: Vec<u32> =

@@ -22,7 +22,6 @@ struct Held {
 /// used page, the finest among equals, has nothing that rests on it.
 pub(super) struct Slots {
     grid: Grid,
-    capacity: u32,
     held: HashMap<TileKey, Held>,
     /// (round of the last use, level, page key): the first may leave first.
     order: BTreeSet<(u64, u32, u32)>,
@@ -35,17 +34,12 @@ impl Slots {
     pub fn new(grid: Grid, capacity: u32, table_bits: u32) -> Self {
         Self {
             grid,
-            capacity,
             held: HashMap::new(),
             order: BTreeSet::new(),
             free: (0..capacity).rev().collect(),
             table: Table::new(table_bits),
             round: 0,
         }
-    }
-
-    pub fn capacity(&self) -> u32 {
-        self.capacity
     }
 
     pub fn len(&self) -> usize {

@@ -91,7 +91,7 @@ fn a_full_atlas_says_so_and_goes_on_with_the_next_view() {
 }
 
 #[test]
-fn an_absent_tile_is_never_loaded_and_its_ancestor_stands_in() {
+fn an_absent_tile_that_finer_ones_touch_is_never_loaded_and_its_ancestor_stands_in() {
     let absent = |key: TileKey| key.level < 2 && key.x >> (1 - key.level) != 0;
     let planet = write(&Sample { absent, ..Sample::new(Body::earth(), 10) }, |_| ());
     let mut resident = resident(&planet, 100);
@@ -133,6 +133,39 @@ fn a_damaged_tile_is_an_error_for_itself_only() {
         assert_ne!(pages.find(0, 14, 6) & USABLE, 0);
         // Asked again, it is remembered and its ancestor counts.
         assert_eq!(resident.ask([pages::key(1, 1, 0), pages::key(0, 2, 0)]), 0);
+    }
+}
+
+#[test]
+fn a_file_that_is_cut_while_it_is_open_is_an_error_for_what_is_read_later() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cut.relief");
+    Sample::new(Body::earth(), 11).write(&path);
+    let planet = Planet::new(Relief::open(&path).unwrap(), 0).unwrap();
+    let mut resident = resident(&planet, 200);
+    assert_eq!(load(&mut resident, &[TileKey::new(0, 2, 0)]).missing, 0);
+    std::fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(5000).unwrap();
+    let late = TileKey::new(0, 14, 6);
+    assert_eq!(load(&mut resident, &[late, TileKey::new(0, 2, 0)]).missing, 0);
+    let held = held(&resident);
+    assert!(held.contains(&TileKey::new(0, 2, 0)) && !held.contains(&late));
+    let (_, error) = resident.damaged().find(|(key, _)| *key == late).unwrap();
+    assert!(error.to_string().contains("cut to 5000"), "{error}");
+}
+
+#[test]
+fn a_tile_that_the_file_lacks_comes_unless_what_it_rests_on_is_damaged() {
+    let sample = Sample { absent: |key: TileKey| key.level == 0, ..Sample::new(Body::earth(), 10) };
+    let (good, lost) = (TileKey::new(0, 5, 2), TileKey::new(0, 1, 1));
+    for (change, works) in [(None, true), (Some(TileKey::new(1, 0, 0)), false)] {
+        let planet = write(&sample, |bytes| change.into_iter().for_each(|key| damage(key, Plane::Deviation)(bytes)));
+        let mut resident = resident(&planet, 100);
+        let progress = load(&mut resident, &[lost, good]);
+        assert_eq!(progress.missing, 0);
+        assert!(resident.pages().find(0, good.x, good.y) & USABLE != 0 && held(&resident).contains(&good));
+        assert_eq!(held(&resident).contains(&lost), works);
+        assert_eq!(resident.damaged().any(|(key, _)| key == lost), !works);
+        assert_eq!(resident.ask([pages::key(0, lost.x, lost.y)]), 0, "nothing lacks that can come");
     }
 }
 

@@ -128,13 +128,13 @@ impl Camera {
         let upright = [-sin_h * sin_p, -cos_h * sin_p, cos_p];
         let right = std::array::from_fn(|k| cos_r * level[k] - sin_r * upright[k]);
         let up = std::array::from_fn(|k| cos_r * upright[k] + sin_r * level[k]);
-        [right, up, forward].map(|v| frame.from_horizon(v))
+        [right, up, forward].map(|v| frame.of_horizon(v))
     }
 }
 
 impl Frame {
     /// A vector (east, north, up) of the camera's horizon in the camera's frame.
-    pub fn from_horizon(&self, [east, north, up]: [f64; 3]) -> [f64; 3] {
+    pub fn of_horizon(&self, [east, north, up]: [f64; 3]) -> [f64; 3] {
         if self.plane {
             return [east, north, up];
         }
@@ -142,7 +142,7 @@ impl Frame {
     }
 
     /// A vector in ECEF in the camera's frame.
-    pub fn from_ecef(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    pub fn of_ecef(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         [self.cos_lon * x + self.sin_lon * y, self.cos_lon * y - self.sin_lon * x, z]
     }
 }

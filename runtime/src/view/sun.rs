@@ -57,8 +57,8 @@ impl Sun {
     /// The direction in the camera's frame.
     pub(super) fn in_frame(&self, frame: &Frame) -> [f64; 3] {
         match *self {
-            Self::Ecef(v) => frame.from_ecef(v),
-            Self::Local(v) => frame.from_horizon(v),
+            Self::Ecef(v) => frame.of_ecef(v),
+            Self::Local(v) => frame.of_horizon(v),
         }
     }
 }

@@ -30,6 +30,8 @@ const GLOBE: &[Case] = &[
     ("mask FILE -o OUT/a.tif --sun 0,0 --level 3", &["--level 3", "0 (finest) to 1", "remedy:"]),
     ("mask FILE -o OUT/a.tif --sun 0,0 --window 5,5,4,4", &["--window", "south", "remedy:"]),
     ("mask FILE -o OUT/a.tif --sun 0,0 --window 0.01,0.01,0.02,0.02", &["at least one node", "remedy:"]),
+    ("mask FILE -o OUT/a.tif --sun 0,0 --air=-1", &["--air -1", "remedy:"]),
+    ("render FILE --camera 0,0,1000 --backend cpu --air=-1 --out OUT/a.png", &["density of the air of -1", "remedy:"]),
     ("mask FILE -o OUT/a.bmp --sun 0,0", &["a.bmp", "remedy:"]),
     ("mask FILE -o OUT/a.tif --times 2026-06-21T00:00:00Z,2026-06-20T00:00:00Z,1h", &["must not lie before"]),
     ("probe FILE 5", &["5 alone", "remedy:"]),

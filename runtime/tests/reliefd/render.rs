@@ -3,6 +3,7 @@
 use relief_formats::body::Body;
 use relief_formats::grid::Grid;
 
+use crate::mask::wall;
 use crate::probe::backends;
 use crate::program::{Folder, plane, png, reliefd};
 use crate::sample_file::{Sample, wavy_q};
@@ -20,6 +21,7 @@ fn a_frame_its_mask_and_its_figures() {
         assert!(stats["triangles"].as_u64().unwrap() > 10, "{stats}");
         assert_eq!((&stats["tiles_missing"], &stats["holes"]), (&0.into(), &false.into()));
         assert_eq!((&stats["width"], &stats["height"], &stats["scheme"]), (&160.into(), &90.into(), &"leb".into()));
+        assert!((1.0..200.0).contains(&stats["fetches_per_ray"].as_f64().unwrap()), "{stats}");
         assert!(stats["pass_ms"].is_object() && stats["complete_ms"].as_f64() > stats["open_ms"].as_f64());
         let (width, height, channels, colours) = png(&folder.path("a.png"));
         assert_eq!((width, height, channels), (160, 90, 3));
@@ -90,8 +92,23 @@ fn overlays_and_schemes_differ() {
         png(&folder.path("a.png")).3
     };
     let plain = frame("");
-    assert_ne!(plain, frame("--overlay wireframe"));
-    assert_ne!(frame("--overlay wireframe"), frame("--overlay lod"));
-    assert_ne!(plain, frame("--time 2026-06-21T22:00:00Z"), "night");
+    assert!(plain != frame("--overlay wireframe"));
+    assert!(frame("--overlay wireframe") != frame("--overlay lod"));
+    assert!(plain != frame("--time 2026-06-21T22:00:00Z"), "night");
     assert!(frame("--scheme paper").len() == plain.len());
+}
+
+/// West of a wall, with the sun in the east.
+#[test]
+fn shadows_are_drawn_unless_they_are_not_wanted() {
+    let folder = Folder::new();
+    let file = folder.sample("wall.relief", &plane(wall));
+    let lit = |options: &str| {
+        let words = format!(
+            "render FILE --backend cpu --camera 6000,5840,9000 --size 64x64 --sun 90,20 --out OUT/a.png --mask OUT/m.png {options}"
+        );
+        reliefd(&words, &file).good();
+        png(&folder.path("m.png")).3[64 * 32 + 32 - 4]
+    };
+    assert_eq!((lit(""), lit("--shadow none")), (0, 255));
 }

@@ -7,6 +7,7 @@ use relief_runtime::planet::Planet;
 
 use crate::sample_file::Sample;
 
+#[allow(dead_code, reason = "not every test needs one")]
 /// The device of these tests; none where `RELIEF_NO_GPU=1` says that there is no adapter.
 ///
 /// # Panics

@@ -20,6 +20,10 @@ pub struct Ground {
     pub east: f32,
     /// Rise northwards, metres a metre.
     pub north: f32,
+    /// The finest level it is made from.
+    pub level: u32,
+    /// Height of that level's surface, metres.
+    pub level_m: f32,
 }
 
 /// Metres of one unit of S and of T at latitude T.
@@ -80,8 +84,11 @@ pub fn ground(pages: &Pages<'_>, level: u32, s: u32, t: u32, per_unit: [f32; 2])
     let height = |s, t| height_near_m(pages, level, s, t, home, page);
     let rise_east = height(east, t) - height(west, t);
     let rise_north = height(s, north) - height(s, south);
+    let here_m = height(s, t);
     Ground {
-        height_m: height(s, t),
+        height_m: here_m,
+        level,
+        level_m: here_m,
         east: rise_east / (east.wrapping_sub(west) as f32 * per_unit[0]),
         north: rise_north / ((north - south) as f32 * per_unit[1]),
     }
@@ -103,5 +110,7 @@ pub fn ground_between(pages: &Pages<'_>, level: f32, s: u32, t: u32, per_unit: [
         height_m: a.height_m + (b.height_m - a.height_m) * share,
         east: a.east + (b.east - a.east) * share,
         north: a.north + (b.north - a.north) * share,
+        level: fine,
+        level_m: a.level_m,
     }
 }

@@ -6,11 +6,12 @@
 mod clip;
 pub mod ground;
 pub mod raster;
+pub mod sea;
 pub mod shade;
 pub mod style;
 pub mod uniform;
 
 pub use raster::{Places, draw};
-pub use shade::{Shaded, shade};
-pub use style::{Overlay, Style};
+pub use shade::{Fetches, Shaded, shade};
+pub use style::{Overlay, Shadow, Style};
 pub use uniform::uniform;

@@ -3,11 +3,14 @@
 use rayon::prelude::*;
 
 use super::Places;
-use super::ground::{detail, ground_between, metres_per_unit};
-use super::style::{Overlay, Style};
-use crate::angle::{sin_cos, sin_cos_lat};
+use super::ground::{Ground, detail, ground_between, metres_per_unit};
+use super::sea::sea_level_m;
+use super::style::{Overlay, Shadow, Shore, Style};
 use crate::pages::Pages;
 use crate::planet::{Planet, View};
+use crate::shadow::pages::PagedRelief;
+use crate::shadow::sun::{refracted, sun_local};
+use crate::shadow::{k_shadow, shadow_exact};
 
 /// Shaded pixels, rows from the top.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,60 +23,121 @@ pub struct Shaded {
     pub normals: Vec<u32>,
 }
 
-/// Shades what was drawn.
-#[must_use]
-pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, places: &Places) -> Shaded {
-    let width = view.width as usize;
-    let pixels: Vec<(u32, f32, u32)> = (0..places.depths.len())
-        .into_par_iter()
-        .with_min_len(256)
-        .map(|k| {
-            let (x, y) = (k % width, k / width);
-            shade_pixel(pages, view, style, x as f32, y as f32, places.depths[k], places.places[k])
-        })
-        .collect();
-    Shaded {
-        colours: pixels.iter().map(|p| p.0).collect(),
-        distances_m: pixels.iter().map(|p| p.1).collect(),
-        normals: pixels.iter().map(|p| p.2).collect(),
+/// What the rays of a frame fetched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fetches {
+    /// Rays cast: one a pixel of ground.
+    pub rays: u64,
+    /// Heights of nodes.
+    pub heights: u64,
+    /// Pairs of extremes.
+    pub extremes: u64,
+    /// Squares entered.
+    pub steps: u64,
+}
+
+impl Fetches {
+    fn and(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            heights: self.heights + other.heights,
+            extremes: self.extremes + other.extremes,
+            steps: self.steps + other.steps,
+        }
     }
 }
 
-fn shade_pixel(
-    pages: &Pages<'_>,
-    view: &View,
-    style: &Style,
-    column: f32,
-    row: f32,
-    depth: f32,
-    place: [u32; 3],
-) -> (u32, f32, u32) {
-    let x = ((column + 0.5) * 2.0 / view.width as f32 - 1.0) * view.tan_x;
-    let y = (1.0 - (row + 0.5) * 2.0 / view.height as f32) * view.tan_y;
-    let stretch = (1.0 + x * x + y * y).sqrt();
-    if depth == 0.0 {
-        let ray = std::array::from_fn(|k| (view.forward[k] + view.right[k] * x + view.up[k] * y) / stretch);
-        return (pack_unorm(to_srgb(sky_colour(pages.planet, view, style, ray)), 0.0), 0.0, 0);
+/// Shades what was drawn. `sea_m` is the grid of [`super::sea`]; it is read where the style says so.
+#[must_use]
+pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, sea_m: &[f32], places: &Places) -> (Shaded, Fetches) {
+    let (width, count) = (view.width as usize, places.depths.len());
+    let mut shaded = Shaded { colours: vec![0; count], distances_m: vec![0.0; count], normals: vec![0; count] };
+    let Shaded { colours, distances_m, normals } = &mut shaded;
+    let rows = colours
+        .par_chunks_mut(width)
+        .zip(distances_m.par_chunks_mut(width))
+        .zip(normals.par_chunks_mut(width))
+        .enumerate();
+    let fetches = rows.map(|(row, ((colours, distances_m), normals))| {
+        let mut canvas = Canvas { pages, view, style, sea_m, fetches: Fetches::default() };
+        for column in 0..width {
+            let at = row * width + column;
+            (colours[column], distances_m[column], normals[column]) =
+                canvas.pixel(column as f32, row as f32, places.depths[at], places.places[at]);
+        }
+        canvas.fetches
+    });
+    let fetches = fetches.reduce(Fetches::default, Fetches::and);
+    (shaded, fetches)
+}
+
+struct Canvas<'a> {
+    pages: &'a Pages<'a>,
+    view: &'a View,
+    style: &'a Style,
+    sea_m: &'a [f32],
+    fetches: Fetches,
+}
+
+impl Canvas<'_> {
+    /// `shade_pixels`.
+    fn pixel(&mut self, column: f32, row: f32, depth: f32, place: [u32; 3]) -> (u32, f32, u32) {
+        let view = self.view;
+        let x = ((column + 0.5) * 2.0 / view.width as f32 - 1.0) * view.tan_x;
+        let y = (1.0 - (row + 0.5) * 2.0 / view.height as f32) * view.tan_y;
+        let stretch = (1.0 + x * x + y * y).sqrt();
+        if depth == 0.0 {
+            let ray = std::array::from_fn(|k| (view.forward[k] + view.right[k] * x + view.up[k] * y) / stretch);
+            return (pack_unorm(to_srgb(sky_colour(self.pages.planet, view, self.style, ray)), 0.0), 0.0, 0);
+        }
+        self.shade_ground(place, view.forward[3] / depth * stretch)
     }
-    let distance_m = view.forward[3] / depth * stretch;
-    let [s, t, marks] = place;
-    let level = detail(pages.planet, view, distance_m);
-    let here = ground_between(pages, level, s, t, metres_per_unit(pages.planet, t));
-    let axes = horizon_axes(pages.planet, view, s, t);
-    let sun = axes.map(|axis| axis[0] * view.sun[0] + axis[1] * view.sun[1] + axis[2] * view.sun[2]);
-    let visible = 1.0;
-    let exaggeration = exaggeration(style, distance_m / view.right[3]);
-    let steep = [here.east * exaggeration, here.north * exaggeration];
-    let mut colour = ground_colour(style, here.height_m, steep, sun, visible);
-    if style.overlay == Overlay::Detail as u32 {
-        colour = mix(colour, detail_colour((marks & 255) as i32 - 128), 0.45);
+
+    fn shade_ground(&mut self, [s, t, marks]: [u32; 3], distance_m: f32) -> (u32, f32, u32) {
+        let (pages, view, style) = (self.pages, self.view, self.style);
+        let level = detail(pages.planet, view, distance_m);
+        let here = ground_between(pages, level, s, t, metres_per_unit(pages.planet, t));
+        let sun = self.sun_at(s, t);
+        let visible = self.sunlight(&here, s, t, sun);
+        let exaggeration = exaggeration(style, distance_m / view.right[3]);
+        let steep = [here.east * exaggeration, here.north * exaggeration];
+        let sea_m = if style.sea == Shore::Grid as u32 { sea_level_m(self.sea_m, s, t) } else { 0.0 };
+        let mut colour = ground_colour(style, here.height_m - sea_m, steep, sun, visible);
+        if style.overlay == Overlay::Detail as u32 {
+            colour = mix(colour, detail_colour((marks & 255) as i32 - 128), 0.45);
+        }
+        if style.overlay != Overlay::None as u32 {
+            let edge = ((marks >> 8) & 255) as f32 / 32.0;
+            colour = mix([0.01, 0.012, 0.02], colour, 0.25 + 0.75 * smoothstep(0.2, 0.8, edge));
+        }
+        let normal = normalize([-here.east, -here.north, 1.0]);
+        (pack_unorm(to_srgb(colour), visible), distance_m, pack_snorm([normal[0], normal[1]]))
     }
-    if style.overlay != Overlay::None as u32 {
-        let edge = ((marks >> 8) & 255) as f32 / 32.0;
-        colour = mix([0.01, 0.012, 0.02], colour, 0.25 + 0.75 * smoothstep(0.2, 0.8, edge));
+
+    fn sunlight(&mut self, here: &Ground, s: u32, t: u32, sun: [f32; 3]) -> f32 {
+        if self.style.shadow == Shadow::None as u32 {
+            return 1.0;
+        }
+        let mut relief = PagedRelief::new(*self.pages);
+        let disk_rad = self.view.sun[3];
+        let light = shadow_exact(self.pages.planet, &mut relief, [s, t], here.level_m, here.level, sun, disk_rad);
+        self.fetches = self.fetches.and(Fetches {
+            rays: 1,
+            heights: light.counts.heights.into(),
+            extremes: light.counts.extremes.into(),
+            steps: light.counts.steps.into(),
+        });
+        light.visible
     }
-    let normal = normalize([-here.east, -here.north, 1.0]);
-    (pack_unorm(to_srgb(colour), visible), distance_m, pack_snorm([normal[0], normal[1]]))
+
+    fn sun_at(&self, s: u32, t: u32) -> [f32; 3] {
+        let [x, y, z, _] = self.view.sun;
+        let sun = match self.pages.planet.plane {
+            0 => sun_local([x, y, z], self.view.camera_s, s, t),
+            _ => [x, y, z],
+        };
+        if self.style.air > 0.0 { refracted(sun, self.style.air) } else { sun }
+    }
 }
 
 /// Linear light to sRGB, 0 to 1 (IEC 61966-2-1).
@@ -100,34 +164,19 @@ pub fn tint(style: &Style, height_m: f32) -> [f32; 3] {
     std::array::from_fn(|c| low[c] + (high[c] - low[c]) * (at - k as f32))
 }
 
-/// East, north and up at (S, T) in the frame of the camera.
-#[must_use]
-pub fn horizon_axes(planet: &Planet, view: &View, s: u32, t: u32) -> [[f32; 3]; 3] {
-    if planet.plane != 0 {
-        return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    }
-    let [sin_lon, cos_lon] = sin_cos(s.wrapping_sub(view.camera_s));
-    let [sin_lat, cos_lat] = sin_cos_lat(t);
-    [
-        [-sin_lon, cos_lon, 0.0],
-        [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat],
-        [cos_lat * cos_lon, cos_lat * sin_lon, sin_lat],
-    ]
-}
-
 /// By how much slopes are exaggerated, for the eye, where a pixel is `footprint_m` wide.
 #[must_use]
 pub fn exaggeration(style: &Style, footprint_m: f32) -> f32 {
     (footprint_m / style.exaggeration_from_m).max(1.0).powf(0.4).clamp(1.0, 8.0)
 }
 
-/// Light on ground of a height and slope under a sun (east, north, up).
+/// Light on ground of a height (above the sea, where there is one) and slope under a sun (east, north, up).
 #[must_use]
 pub fn ground_colour(style: &Style, height_m: f32, slope: [f32; 2], sun: [f32; 3], visible: f32) -> [f32; 3] {
     let normal = normalize([-slope[0], -slope[1], 1.0]);
     let day = smoothstep(-0.03, 0.12, sun[2]);
     let lambert = (normal[0] * sun[0] + normal[1] * sun[1] + normal[2] * sun[2]).max(0.0);
-    let direct = lambert * visible * day;
+    let direct = lambert * k_shadow(visible, sun[2], style.dark, style.bright) * day;
     let sky = style.ambient * (0.12 + 0.88 * smoothstep(-0.25, 0.25, sun[2])) * (0.5 + 0.5 * normal[2]);
     let tint = tint(style, height_m);
     std::array::from_fn(|k| tint[k] * (style.sun_colour[k] * direct + style.shade_colour[k] * sky))

@@ -16,18 +16,42 @@ pub enum Overlay {
     Detail = 2,
 }
 
+/// How the relief's shadows are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Shadow {
+    /// Not at all.
+    None = 0,
+    /// Rays through the pyramid of extremes ([`crate::shadow::exact`]).
+    #[default]
+    Exact = 1,
+}
+
+/// Where land ends and sea begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Shore {
+    /// Nowhere.
+    #[default]
+    None = 0,
+    /// At height 0.
+    Ellipsoid = 1,
+    /// At the level of [`super::sea`].
+    Grid = 2,
+}
+
 /// `struct Style` of `wgsl/lib/shade_style.wgsl`. Colours are linear light.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Style {
     /// An [`Overlay`].
     pub overlay: u32,
-    /// 0 leaves shadows out.
+    /// A [`Shadow`].
     pub shadow: u32,
-    /// 1 when heights below 0 are water.
+    /// A [`Shore`].
     pub sea: u32,
-    /// Zero.
-    pub padding: u32,
+    /// Density of the air that lifts the sun, 1 on Earth at sea level; 0 for no refraction.
+    pub air: f32,
     /// Height of the ramp's low end, metres: of the deepest water, or of the lowest land.
     pub low_m: f32,
     /// Height of the ramp's high end, metres.
@@ -36,6 +60,12 @@ pub struct Style {
     pub ambient: f32,
     /// Slopes are exaggerated, for the eye only, where a pixel is wider than this, metres.
     pub exaggeration_from_m: f32,
+    /// Share of the sun's light that is left in shadow: k_dark of paper 001, eq. 1.
+    pub dark: f32,
+    /// The same under a sun in the zenith: `k_bright`.
+    pub bright: f32,
+    /// Zero.
+    pub padding: [u32; 2],
     /// Light of the sun.
     pub sun_colour: [f32; 4],
     /// Light of the sky.
@@ -118,11 +148,14 @@ impl Style {
             overlay: 0,
             shadow: 0,
             sea: u32::from(shore),
-            padding: 0,
+            air: 0.0,
             low_m: if shore { -11_000.0 } else { low_m },
             high_m: if shore { 6500.0 } else { high_m },
             ambient: if airless { 0.05 } else { 0.34 },
             exaggeration_from_m: 150.0,
+            dark: if airless { 0.02 } else { 0.1 },
+            bright: if airless { 0.02 } else { 0.22 },
+            padding: [0; 2],
             sun_colour: if airless { [1.35, 1.32, 1.26, 0.0] } else { [1.12, 1.05, 0.93, 0.0] },
             shade_colour: if airless { [1.0, 1.0, 1.0, 0.0] } else { [0.74, 0.88, 1.16, 0.0] },
             sky,

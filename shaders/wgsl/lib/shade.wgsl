@@ -22,20 +22,6 @@ fn tint(height_m: f32) -> vec3<f32> {
     return low + (high - low) * (at - f32(k));
 }
 
-// East, north and up at (S, T) in the frame of the camera.
-fn horizon_axes(view: View, s: u32, t: u32) -> mat3x3<f32> {
-    if planet.plane != 0u {
-        return mat3x3(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0));
-    }
-    let lon = sin_cos(s - view.camera_s);
-    let lat = sin_cos_lat(t);
-    return mat3x3(
-        vec3(-lon.x, lon.y, 0.0),
-        vec3(-lat.x * lon.y, -lat.x * lon.x, lat.y),
-        vec3(lat.y * lon.y, lat.y * lon.x, lat.x),
-    );
-}
-
 fn exaggeration(footprint_m: f32) -> f32 {
     return clamp(pow(max(footprint_m / style.exaggeration_from_m, 1.0), 0.4), 1.0, 8.0);
 }
@@ -44,7 +30,8 @@ fn ground_colour(height_m: f32, slope: vec2<f32>, sun: vec3<f32>, visible: f32) 
     let normal = normalize(vec3(-slope, 1.0));
     // What exaggerated slopes would catch beyond the terminator is no light.
     let day = smoothstep(-0.03, 0.12, sun.z);
-    let direct = max(dot(normal, sun), 0.0) * visible * day;
+    let shaded = style.dark + (style.bright - style.dark) * max(sun.z, 0.0);
+    let direct = max(dot(normal, sun), 0.0) * (shaded + (1.0 - shaded) * visible) * day;
     let sky = style.ambient * (0.12 + 0.88 * smoothstep(-0.25, 0.25, sun.z)) * (0.5 + 0.5 * normal.z);
     let light = style.sun_colour.xyz * direct + style.shade_colour.xyz * sky;
     return tint(height_m) * light;

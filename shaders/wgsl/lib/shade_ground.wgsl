@@ -7,6 +7,9 @@ struct Ground {
     height_m: f32,
     east: f32,
     north: f32,
+    // The finest level it is made from, and that level's height.
+    level: u32,
+    level_m: f32,
 }
 
 fn metres_per_unit(t: u32) -> vec2<f32> {
@@ -63,10 +66,13 @@ fn ground(level: u32, s: u32, t: u32, per_unit: vec2<f32>) -> Ground {
     let north = min(t + step_t, POLE);
     let rise_east = height_near_m(level, east, t, home, page) - height_near_m(level, west, t, home, page);
     let rise_north = height_near_m(level, s, north, home, page) - height_near_m(level, s, south, home, page);
+    let here_m = height_near_m(level, s, t, home, page);
     return Ground(
-        height_near_m(level, s, t, home, page),
+        here_m,
         rise_east / (f32(east - west) * per_unit.x),
         rise_north / (f32(north - south) * per_unit.y),
+        level,
+        here_m,
     );
 }
 
@@ -83,5 +89,7 @@ fn ground_between(level: f32, s: u32, t: u32, per_unit: vec2<f32>) -> Ground {
         a.height_m + (b.height_m - a.height_m) * share,
         a.east + (b.east - a.east) * share,
         a.north + (b.north - a.north) * share,
+        fine,
+        a.level_m,
     );
 }

@@ -14,7 +14,7 @@ use crate::errors::{of_device, of_render};
 /// Where the kernels run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum BackendChoice {
-    /// The GPU where there is an adapter, else the CPU
+    /// The GPU where there is one, else the CPU
     #[default]
     Auto,
     /// The GPU, or not at all
@@ -24,7 +24,7 @@ pub enum BackendChoice {
 }
 
 /// Most memory for tiles.
-const ATLAS_BYTES: u64 = 1 << 30;
+pub const ATLAS_BYTES: u64 = 1 << 30;
 
 /// A backend that was found.
 pub enum Backend {
@@ -41,6 +41,8 @@ impl Backend {
             BackendChoice::Cpu => Ok(Self::Cpu),
             BackendChoice::Gpu => Ok(Self::Gpu(Device::headless(AdapterChoice::Fastest).map_err(of_device)?)),
             BackendChoice::Auto => match Device::headless(AdapterChoice::Fastest) {
+                // A GPU in software is slower than the twins on the same cores.
+                Ok(device) if device.info().device_type == wgpu::DeviceType::Cpu => Ok(Self::Cpu),
                 Ok(device) => Ok(Self::Gpu(device)),
                 Err(DeviceError::NoAdapter(_)) => Ok(Self::Cpu),
                 Err(error) => Err(of_device(error)),

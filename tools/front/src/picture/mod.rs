@@ -5,6 +5,7 @@
 pub mod colour;
 mod colour_map;
 mod field;
+pub mod geoid;
 mod png;
 mod relief;
 mod shade;

@@ -1,96 +1,162 @@
-//! Rays from every node of a level.
+//! Rays from every node of a rectangle, on either backend.
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
-use rayon::prelude::*;
 use relief_front::error::ToolError;
 use relief_front::window::Rectangle;
+use relief_runtime::cpu::Cpu;
+use relief_runtime::gpu::{Gpu, ShadowMasks};
 use relief_runtime::planet::Planet;
+use relief_runtime::shadow::{Mask, ShadowWindow, WindowCounts, mask_in_ram, sun_of};
 use relief_runtime::view::Sun;
 use relief_shaders::shadow::dense::Dense;
-use relief_shaders::shadow::shadow_exact;
-use relief_shaders::shadow::sun::sun_local;
 use relief_shaders::shadow::sweep::{PlaneNodes, sweep_mask};
 
-/// Fixed-point longitude 0, where ECEF's x axis points.
-const GREENWICH: u32 = 1 << 31;
-/// Most memory for a level with its bounds.
-const MOST_BYTES: u64 = 8 << 30;
+use crate::backend::{ATLAS_BYTES, Backend};
+use crate::errors::{of_device, of_render};
 
-/// A level that is held whole.
-pub struct Caster {
+/// Nodes along a side of what is cast at once: few pages do for its rays.
+const PART: u32 = 512;
+/// Longest wait for the pages of a part.
+const WAIT: Duration = Duration::from_secs(600);
+/// A plane's level is swept whole when it takes no more than this, with its bounds.
+const SWEPT_BYTES: u64 = 4 << 30;
+
+/// What makes the masks of a level.
+pub enum Caster {
+    /// All rays of one direction over a plane at once, hard edges only.
+    Sweep(Arc<Planet>, Dense),
+    /// A ray from each node.
+    Rays(Rays),
+}
+
+/// A backend and the level its rays start from.
+pub struct Rays {
     planet: Arc<Planet>,
-    dense: Dense,
+    level: u32,
+    kernel: Kernel,
+}
+
+enum Kernel {
+    /// On a GPU.
+    Gpu(Box<Gpu>, ShadowMasks),
+    /// Its twin.
+    Cpu(Box<Cpu>),
 }
 
 impl Caster {
-    /// Reads a level that the file has.
+    /// For a level that the file at `path` has; `single` where each ray is to be cast on its own,
+    /// as a soft edge or air need it.
     ///
     /// # Errors
-    /// A level too large to hold, or a damaged tile.
-    pub fn new(planet: Arc<Planet>, path: &Path, level: u32) -> Result<Self, ToolError> {
+    /// A backend that gave up, or a damaged tile.
+    pub fn new(
+        planet: Arc<Planet>,
+        path: &Path,
+        level: u32,
+        backend: &Backend,
+        single: bool,
+    ) -> Result<Self, ToolError> {
         let grid = planet.grid();
         let bytes = 20 * u64::from(grid.width(level)) * u64::from(grid.height(level)) / 3;
-        if bytes > MOST_BYTES {
-            return Err(ToolError::usage(
-                format!("--level {level}: {} GB of heights and bounds", bytes >> 30),
-                format!("a level takes at most {} GB", MOST_BYTES >> 30),
-                "give a coarser --level",
-            ));
-        }
-        let dense = Dense::from_tiles(&planet.uniform(), planet.tiles(), level).map_err(ToolError::of_file(path))?;
-        Ok(Self { planet, dense })
-    }
-
-    /// The mask of a rectangle of nodes, rows from the north.
-    pub fn mask(&self, sun: &Sun, radius_deg: f64, rectangle: Rectangle) -> Vec<u8> {
-        match *sun {
-            Sun::Local(towards) if radius_deg == 0.0 => self.swept(towards.map(|c| c as f32), rectangle),
-            _ => self.cast(sun, radius_deg, rectangle),
-        }
-    }
-
-    /// Rays of one direction, all at once.
-    fn swept(&self, towards: [f32; 3], rectangle: Rectangle) -> Vec<u8> {
-        let planet = self.planet.uniform();
-        let units = f64::from(1u32 << (31 - planet.m + self.dense.level()));
-        let nodes = PlaneNodes {
-            samples: self.dense.nodes_m(),
-            unit_m: 1.0,
-            columns: self.dense.columns(),
-            rows: self.dense.rows(),
-            spacing_m: [planet.unit_x_m, planet.unit_y_m].map(|unit_m| f64::from(unit_m) * units),
-        };
-        let (lit, _) = sweep_mask::<false, f32>(&nodes, towards);
-        let (column, columns) = (rectangle.column as usize, rectangle.columns as usize);
-        let rows = (rectangle.row..rectangle.row + rectangle.rows).rev();
-        rows.flat_map(|y| &lit[y as usize * nodes.columns + column..][..columns]).map(|&lit| 255 * lit).collect()
-    }
-
-    /// A ray from each node, on its own.
-    fn cast(&self, sun: &Sun, radius_deg: f64, rectangle: Rectangle) -> Vec<u8> {
-        let (planet, level) = (self.planet.uniform(), self.dense.level());
-        let shift = 31 - planet.m + level;
-        let radius_rad = radius_deg.to_radians() as f32;
-        let columns = self.dense.columns() as i64;
-        let mut mask = vec![0; rectangle.columns as usize * rectangle.rows as usize];
-        mask.par_chunks_mut(rectangle.columns as usize).enumerate().for_each(|(k, out)| {
-            let y = rectangle.row + rectangle.rows - 1 - k as u32;
-            let heights_m = self.dense.row_m(y as usize);
-            let mut relief = &self.dense;
-            for (at, out) in (rectangle.column..).zip(out) {
-                let x = at.rem_euclid(columns) as u32;
-                let place = [x << shift, y << shift];
-                let towards = match *sun {
-                    Sun::Ecef(v) => sun_local(v.map(|c| c as f32), GREENWICH, place[0], place[1]),
-                    Sun::Local(v) => v.map(|c| c as f32),
-                };
-                let light =
-                    shadow_exact(&planet, &mut relief, place, heights_m[x as usize], level, towards, radius_rad);
-                *out = (light.visible * 255.0).round() as u8;
+        let failed = of_render(path);
+        let kernel = match backend {
+            Backend::Cpu if grid.plane && !single && bytes <= SWEPT_BYTES => {
+                let dense = Dense::from_tiles(&planet.uniform(), planet.tiles(), level);
+                return Ok(Self::Sweep(planet, dense.map_err(ToolError::of_file(path))?));
             }
-        });
-        mask
+            Backend::Cpu => Kernel::Cpu(Box::new(Cpu::new(Arc::clone(&planet), ATLAS_BYTES).map_err(failed)?)),
+            Backend::Gpu(device) => {
+                let gpu = Gpu::new(device, Arc::clone(&planet), ATLAS_BYTES).map_err(failed)?;
+                Kernel::Gpu(Box::new(gpu), ShadowMasks::new(device).map_err(of_device)?)
+            }
+        };
+        Ok(Self::Rays(Rays { planet, level, kernel }))
     }
+
+    /// The mask of a rectangle of nodes under a sun of a radius in degrees and air of a density
+    /// (both 0 for a sweep), rows from the north, and what its rays fetched; a sweep
+    /// counts none.
+    ///
+    /// # Errors
+    /// Pages that lack, or a device that gave up.
+    pub fn mask(
+        &mut self,
+        sun: &Sun,
+        [radius_deg, air]: [f64; 2],
+        rectangle: Rectangle,
+    ) -> Result<(Vec<u8>, Option<WindowCounts>), ToolError> {
+        let sun = sun_of(sun, radius_deg);
+        match self {
+            Self::Sweep(planet, dense) => Ok((swept(planet, dense, [sun[0], sun[1], sun[2]], rectangle), None)),
+            Self::Rays(rays) => rays.mask(sun, air as f32, rectangle).map(|(mask, counts)| (mask, Some(counts))),
+        }
+    }
+}
+
+impl Rays {
+    fn mask(&mut self, sun: [f32; 4], air: f32, rectangle: Rectangle) -> Result<(Vec<u8>, WindowCounts), ToolError> {
+        let columns = self.planet.grid().width(self.level);
+        let stride = rectangle.columns as usize;
+        let mut mask = vec![0; stride * rectangle.rows as usize];
+        let mut all = WindowCounts::default();
+        for y in (0..rectangle.rows).step_by(PART as usize) {
+            for x in (0..rectangle.columns).step_by(PART as usize) {
+                let window = ShadowWindow {
+                    sun,
+                    air,
+                    x: (rectangle.column + i64::from(x)).rem_euclid(i64::from(columns)) as u32,
+                    y: rectangle.row + y,
+                    columns: PART.min(rectangle.columns - x),
+                    rows: PART.min(rectangle.rows - y),
+                    level: self.level,
+                    ..ShadowWindow::default()
+                };
+                let part = self.part(&window)?;
+                for (k, lit) in (0..).zip(part.lit.chunks_exact(window.columns as usize)) {
+                    let row = (rectangle.rows - 1 - y - k) as usize;
+                    mask[row * stride + x as usize..][..lit.len()].copy_from_slice(lit);
+                }
+                all.rays += part.counts.rays;
+                all.heights += part.counts.heights;
+                all.extremes += part.counts.extremes;
+                all.steps += part.counts.steps;
+            }
+        }
+        Ok((mask, all))
+    }
+
+    fn part(&mut self, window: &ShadowWindow) -> Result<Mask, ToolError> {
+        let mask = match &mut self.kernel {
+            Kernel::Gpu(gpu, masks) => masks.of(gpu.resident_mut(), window, WAIT).map_err(of_device)?,
+            Kernel::Cpu(cpu) => mask_in_ram(cpu.resident_mut(), window, WAIT),
+        };
+        if mask.lacking == 0 {
+            return Ok(mask);
+        }
+        Err(ToolError::usage(
+            format!("{} tiles that rays need at level {} are not at hand", mask.lacking, self.level),
+            "the tiles on the way of a part's rays can be read and fit the memory for tiles",
+            "give a coarser --level, or check the file with `relief-bake validate`",
+        ))
+    }
+}
+
+/// Rays of one direction, all at once.
+fn swept(planet: &Planet, dense: &Dense, towards: [f32; 3], rectangle: Rectangle) -> Vec<u8> {
+    let uniform = planet.uniform();
+    let units = f64::from(1u32 << (31 - uniform.m + dense.level()));
+    let nodes = PlaneNodes {
+        samples: dense.nodes_m(),
+        unit_m: 1.0,
+        columns: dense.columns(),
+        rows: dense.rows(),
+        spacing_m: [uniform.unit_x_m, uniform.unit_y_m].map(|unit_m| f64::from(unit_m) * units),
+    };
+    let (lit, _) = sweep_mask::<false, f32>(&nodes, towards);
+    let (column, columns) = (rectangle.column as usize, rectangle.columns as usize);
+    let rows = (rectangle.row..rectangle.row + rectangle.rows).rev();
+    rows.flat_map(|y| &lit[y as usize * nodes.columns + column..][..columns]).map(|&lit| 255 * lit).collect()
 }

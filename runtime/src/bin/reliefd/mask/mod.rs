@@ -5,6 +5,7 @@ mod cast;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use chrono::{DateTime, Utc};
 use relief_front::error::ToolError;
@@ -13,10 +14,12 @@ use relief_front::stdout::print;
 use relief_front::window::{Bounds, Rectangle, Samples};
 use relief_runtime::geotiff::{Georeference, sidecar, write_mask};
 use relief_runtime::planet::Planet;
+use relief_runtime::shadow::WindowCounts;
 use relief_runtime::view::SUN_RADIUS_DEG;
 
 use self::cast::Caster;
 use crate::Outcome;
+use crate::backend::{Backend, BackendChoice};
 use crate::errors::open;
 use crate::light::{Light, SunArgs};
 use crate::output::{check_name, extension, write_grey_png};
@@ -53,6 +56,15 @@ pub struct Args {
     /// Soft edges: the sun is a disk, not a point
     #[arg(long)]
     soft: bool,
+    /// Density of the air that lifts the sun's light, 1 on Earth at sea level
+    #[arg(long, value_name = "N", default_value_t = 0.0)]
+    air: f32,
+    /// Where the kernels run
+    #[arg(long, value_enum, default_value = "auto")]
+    backend: BackendChoice,
+    /// Print one JSON object a mask: rays, seconds, fetches per ray
+    #[arg(long)]
+    stats: bool,
     /// What to write: .tif for a GeoTIFF, .png for a picture
     #[arg(short, long, value_name = "MASK.tif|png")]
     output: PathBuf,
@@ -67,20 +79,60 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     let planet = open(&args.file)?;
     let lights = lights(args, &planet)?;
     let (samples, rectangle) = rectangle(args, &planet)?;
-    let caster = Caster::new(Arc::clone(&planet), &args.file, args.level)?;
+    if !(0.0..=100.0).contains(&args.air) {
+        let what = format!("--air {}", args.air);
+        return Err(ToolError::usage(what, "a density is 0 to 100 times the Earth's", "give --air 1, or leave it out"));
+    }
+    let backend = Backend::find(args.backend)?;
+    // What a sweep over a plane cannot do.
+    let single = args.soft || args.air > 0.0;
+    let mut caster = Caster::new(Arc::clone(&planet), &args.file, args.level, &backend, single)?;
     let radius_deg = if args.soft { SUN_RADIUS_DEG } else { 0.0 };
     for light in &lights {
-        let mask = caster.mask(&light.sun, radius_deg, rectangle);
+        let began = Instant::now();
+        let (mask, counts) = caster.mask(&light.sun, [radius_deg, f64::from(args.air)], rectangle)?;
+        let cast = began.elapsed();
         let path = match (&args.times, light.time) {
             (Some(_), Some(time)) => stamped(&args.output, time),
             _ => args.output.clone(),
         };
         write(args, &path, &planet, light, (&samples, rectangle), &mask)?;
-        let lit = mask.iter().map(|&v| u64::from(v)).sum::<u64>() as f64 / 2.55 / mask.len() as f64;
-        let Rectangle { columns, rows, .. } = rectangle;
-        print(&format!("{}: {columns} x {rows} nodes of level {}, {lit:.2} % lit\n", path.display(), args.level))?;
+        let lit = mask.iter().map(|&v| u64::from(v)).sum::<u64>() as f64 / 255.0 / mask.len() as f64;
+        print(&match args.stats {
+            true => stats(&path, &backend, rectangle, lit, cast, counts),
+            false => said(&path, rectangle, args.level, lit),
+        })?;
     }
     Ok(Outcome::Good)
+}
+
+fn said(path: &Path, Rectangle { columns, rows, .. }: Rectangle, level: u32, lit: f64) -> String {
+    format!("{}: {columns} x {rows} nodes of level {level}, {:.2} % lit\n", path.display(), lit * 100.0)
+}
+
+fn stats(
+    path: &Path,
+    backend: &Backend,
+    Rectangle { columns, rows, .. }: Rectangle,
+    lit: f64,
+    cast: Duration,
+    counts: Option<WindowCounts>,
+) -> String {
+    let rays = u64::from(columns) * u64::from(rows);
+    // A sweep reads strips, not rays.
+    let fetches = counts.map(|counts| (counts.heights + counts.extremes) as f64 / rays as f64);
+    let object = serde_json::json!({
+        "output": path,
+        "backend": backend.name(),
+        "columns": columns,
+        "rows": rows,
+        "lit": lit,
+        "rays": rays,
+        "seconds": cast.as_secs_f64(),
+        "rays_per_second": rays as f64 / cast.as_secs_f64(),
+        "fetches_per_ray": fetches,
+    });
+    format!("{object}\n")
 }
 
 fn lights(args: &Args, planet: &Planet) -> Result<Vec<Light>, ToolError> {

@@ -11,7 +11,7 @@ use relief_front::error::ToolError;
 use relief_front::picture::{RgbImage, write_png};
 use relief_front::publish::publish;
 use relief_front::stdout::print;
-use relief_runtime::frame::{Frame, Overlay, Renderer, Scheme, Settings};
+use relief_runtime::frame::{Frame, Overlay, Renderer, Scheme, Settings, Shadow};
 use relief_runtime::planet::Planet;
 use relief_runtime::view::{Camera, SUN_RADIUS_DEG, View};
 
@@ -58,6 +58,12 @@ pub struct Args {
     /// How relief becomes triangles
     #[arg(long, value_name = "SCHEME", value_enum, default_value = "leb")]
     scheme: SchemeChoice,
+    /// How shadows are found
+    #[arg(long, value_name = "KERNEL", value_enum, default_value = "exact")]
+    shadow: ShadowChoice,
+    /// Density of the air that lifts the sun's light, 1 on Earth at sea level
+    #[arg(long, value_name = "N", default_value_t = 0.0)]
+    air: f32,
     /// Soft edges of shadows: the sun is a disk, not a point
     #[arg(long)]
     soft: bool,
@@ -99,6 +105,14 @@ impl SchemeChoice {
             Self::Paper => "paper",
         }
     }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum ShadowChoice {
+    /// Rays to the sun, above the curved body
+    Exact,
+    /// None
+    None,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -181,7 +195,11 @@ fn settings(args: &Args) -> Settings {
         Some(OverlayChoice::Wireframe) => Overlay::Wireframe,
         Some(OverlayChoice::Lod) => Overlay::Detail,
     };
-    Settings { scheme, overlay, ..Settings::default() }
+    let shadow = match args.shadow {
+        ShadowChoice::Exact => Shadow::Exact,
+        ShadowChoice::None => Shadow::None,
+    };
+    Settings { scheme, overlay, shadow, air: args.air, places: false }
 }
 
 fn write(

@@ -17,6 +17,8 @@ pub fn json(args: &Args, backend: &Backend, frame: &Frame, [opened, complete]: [
         passes.insert(name.to_owned(), json!(rounded(ms)));
     }
     let milliseconds = |time: Duration| rounded(time.as_secs_f64() * 1e3);
+    let fetches = (stats.fetches.heights + stats.fetches.extremes) as f64;
+    let fetches_per_ray = (stats.fetches.rays > 0).then(|| rounded(fetches / stats.fetches.rays as f64));
     let object = json!({
         "backend": backend.name(),
         "width": frame.width,
@@ -31,6 +33,8 @@ pub fn json(args: &Args, backend: &Backend, frame: &Frame, [opened, complete]: [
         "holes": stats.overflow,
         "tiles_resident": stats.tiles_resident,
         "tiles_missing": stats.tiles_missing,
+        "rays": stats.fetches.rays,
+        "fetches_per_ray": fetches_per_ray,
         "pass_ms": passes,
         "open_ms": milliseconds(opened),
         "complete_ms": milliseconds(complete),
@@ -38,7 +42,7 @@ pub fn json(args: &Args, backend: &Backend, frame: &Frame, [opened, complete]: [
     format!("{object}\n")
 }
 
-/// To a microsecond.
-fn rounded(ms: f64) -> f64 {
-    (ms * 1e3).round() / 1e3
+/// To a thousandth.
+fn rounded(value: f64) -> f64 {
+    (value * 1e3).round() / 1e3
 }
