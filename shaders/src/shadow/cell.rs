@@ -6,6 +6,9 @@ use crate::ray::{
     Meridian, Parallel, Ray, ray_bend_m, ray_east_of_m, ray_meridian, ray_north_of_m, ray_parallel, ray_rise_m,
 };
 
+/// Rounds of the search for the steepest slope; each squares what is lacking.
+const CELL_ROUNDS: u32 = 6;
+
 /// A cell's borders as a ray sees them, and the heights of its nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct CellPatch {
@@ -69,12 +72,15 @@ pub fn cell_slope(planet: &Planet, ray: &Ray, patch: &CellPatch, from_m: f32, to
     let p = 4.0 * f1 - 3.0 * f0 - f2;
     let q = 2.0 * (f0 + f2) - 4.0 * f1;
     let mut slope = best.max(f0 / from_m).max(f2 / to_m);
-    for _ in 0..2 {
+    for _ in 0..CELL_ROUNDS {
         let rise = p - slope * length_m;
-        if q < 0.0 && rise > 0.0 && rise < -2.0 * q {
-            let x = -0.5 * rise / q;
-            slope = slope.max((f0 + x * (p + x * q)) / (from_m + x * length_m));
+        let inside = q < 0.0 && rise > 0.0 && rise < -2.0 * q;
+        let x = if inside { -0.5 * rise / q } else { 0.0 };
+        let steeper = (f0 + x * (p + x * q)) / (from_m + x * length_m);
+        if !inside || steeper <= slope {
+            break;
         }
+        slope = steeper;
     }
     slope
 }

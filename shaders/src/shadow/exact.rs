@@ -68,6 +68,9 @@ pub fn shadow_trace<R: Relief>(
     let near_m = shadow_near_m(planet, level);
     let high_m = planet.max_m - ray.height_m;
     let end_m = ray_end_m(planet, ray, high_m, least);
+    if ray_buried(planet, ray, most) {
+        return FAR;
+    }
     let Some(mut square) = square_first(planet, ray, level) else { return least };
     let mut leaf = true;
     let mut first = true;
@@ -149,6 +152,18 @@ fn ray_lowest_m(planet: &Planet, ray: &Ray, at_m: [f32; 2], rise_m: [f32; 2], sl
     } else {
         ray_rise_m(planet, ray, low_at_m) + slope * low_at_m
     }
+}
+
+/// Whether the ray, raised by a slope, passes below all relief of the body: by night it does, and
+/// nothing need be fetched. A plane may be left before.
+fn ray_buried(planet: &Planet, ray: &Ray, slope: f32) -> bool {
+    let low_at_m = ray_lowest_at_m(ray, slope);
+    if planet.plane != 0 || low_at_m <= 0.0 {
+        return false;
+    }
+    // Short of the centre, where no height is told.
+    let at_m = low_at_m.min(0.5 * ray.r0_m);
+    ray_rise_m(planet, ray, at_m) + slope * at_m < planet.min_m - ray.height_m
 }
 
 /// A distance beyond which the ray, raised by a slope, is above all relief.

@@ -36,7 +36,9 @@ pub fn visible_part(slope: f32, sun: [f32; 3], disk_rad: f32) -> f32 {
     if cos < 16.0 * disk_rad || disk_rad == 0.0 {
         return if slope > 0.0 { 0.0 } else { 1.0 };
     }
-    let x = (slope * cos / (1.0 + slope * up) / disk_rad).clamp(-1.0, 1.0);
+    // Relief beyond the zenith hides all of it.
+    let under = 1.0 + slope * up;
+    let x = if under > 0.0 { (slope * cos / (under * disk_rad)).clamp(-1.0, 1.0) } else { 1.0 };
     let area = arc_cos(x) - x * (1.0 - x * x).max(0.0).sqrt();
     (area * std::f32::consts::FRAC_1_PI).clamp(0.0, 1.0)
 }

@@ -1,20 +1,31 @@
-//! The kernel on an adapter against its twin.
+//! The kernels on an adapter against their twins.
 
 use bytemuck::Pod;
-use relief_shaders::kernels::SHADOW_MASK;
+use relief_shaders::kernels::{SHADOW_MASK, SHADOW_PAPER};
+use relief_shaders::shadow::paper::{PaperMap, Reading, ShadowPaperMap};
 use relief_shaders::shadow::{ShadowWindow, WindowCounts, shadow_mask};
 use wgpu::util::DeviceExt;
 use wgpu::{BufferBindingType, BufferUsages};
 
+use crate::compare::sun;
 use crate::page_set::PageSet;
 use crate::paged::cases;
+use crate::worlds::fractal_plane;
 
 struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    groups: [wgpu::BindGroupLayout; 2],
-    mask: wgpu::ComputePipeline,
 }
+
+/// A kernel with the layouts of its two groups.
+struct Kernel {
+    groups: [wgpu::BindGroupLayout; 2],
+    pipeline: wgpu::ComputePipeline,
+}
+
+const UNIFORM: BufferBindingType = BufferBindingType::Uniform;
+const READ: BufferBindingType = BufferBindingType::Storage { read_only: true };
+const WRITE: BufferBindingType = BufferBindingType::Storage { read_only: false };
 
 impl Gpu {
     /// None where `RELIEF_NO_GPU=1` says that there is no adapter.
@@ -28,9 +39,11 @@ impl Gpu {
             .expect("an adapter; RELIEF_NO_GPU=1 leaves out what needs one");
         let descriptor = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
-        let [read, write] = [true, false].map(|read_only| BufferBindingType::Storage { read_only });
-        let uniform = BufferBindingType::Uniform;
-        let layout = |types: &[BufferBindingType]| {
+        Some(Self { device, queue })
+    }
+
+    fn kernel(&self, entry: &str, source: &'static str, groups: [&[BufferBindingType]; 2]) -> Kernel {
+        let groups = groups.map(|types| {
             let entries: Vec<_> = (0..)
                 .zip(types)
                 .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
@@ -40,27 +53,26 @@ impl Gpu {
                     count: None,
                 })
                 .collect();
-            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
-        };
-        let groups = [layout(&[uniform, read, read, read, write]), layout(&[uniform, write, write])];
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("shadow_mask"),
-            source: wgpu::ShaderSource::Wgsl(SHADOW_MASK.into()),
+            self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
         });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(entry),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: None,
             bind_group_layouts: &[Some(&groups[0]), Some(&groups[1])],
             immediate_size: 0,
         });
-        let mask = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("shadow_mask"),
-            layout: Some(&pipeline_layout),
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry),
+            layout: Some(&layout),
             module: &module,
-            entry_point: Some("shadow_mask"),
+            entry_point: Some(entry),
             compilation_options: Default::default(),
             cache: None,
         });
-        Some(Self { device, queue, groups, mask })
+        Kernel { groups, pipeline }
     }
 
     fn buffer<T: Pod>(&self, values: &[T], usage: BufferUsages) -> wgpu::Buffer {
@@ -68,12 +80,11 @@ impl Gpu {
         self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
     }
 
-    fn group(&self, layout: usize, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
+    fn group(&self, layout: &wgpu::BindGroupLayout, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
         let entries: Vec<_> = (0..)
             .zip(buffers)
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
             .collect();
-        let layout = &self.groups[layout];
         self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
 
@@ -92,37 +103,48 @@ impl Gpu {
         bytemuck::pod_collect_to_vec(&copy.get_mapped_range(..).unwrap())
     }
 
-    fn mask(&self, set: &PageSet, window: &ShadowWindow) -> (Vec<u8>, WindowCounts) {
+    /// Runs a kernel over columns x rows invocations: the bytes it leaves, and its sums. Its own
+    /// group is `uniform`, if it has one, the mask and the sums.
+    fn run(
+        &self,
+        kernel: &Kernel,
+        shared: &[&wgpu::Buffer],
+        uniform: Option<&wgpu::Buffer>,
+        [columns, rows]: [u32; 2],
+    ) -> (Vec<u8>, WindowCounts) {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-        let nodes = (window.columns * window.rows) as usize;
-        let seen = vec![0u32; set.seen.len()];
-        let pages = [
+        let nodes = (columns * rows) as usize;
+        let mask = self.buffer(&vec![0u32; nodes.div_ceil(4)], storage);
+        let sums = self.buffer(&[0u32; 3], storage);
+        let own: Vec<&wgpu::Buffer> = uniform.into_iter().chain([&mask, &sums]).collect();
+        let groups = [self.group(&kernel.groups[0], shared), self.group(&kernel.groups[1], &own)];
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(&kernel.pipeline);
+            pass.set_bind_group(0, &groups[0], &[]);
+            pass.set_bind_group(1, &groups[1], &[]);
+            pass.dispatch_workgroups(columns.div_ceil(8), rows.div_ceil(8), 1);
+        }
+        self.queue.submit([encoder.finish()]);
+        let mut mask: Vec<u8> = self.read(&mask);
+        mask.truncate(nodes);
+        let sums: Vec<u32> = self.read(&sums);
+        let [heights, extremes, steps] = [0, 1, 2].map(|k| u64::from(sums[k]));
+        (mask, WindowCounts { rays: nodes as u64, heights, extremes, steps })
+    }
+
+    fn shadow_mask(&self, kernel: &Kernel, set: &PageSet, window: &ShadowWindow) -> (Vec<u8>, WindowCounts) {
+        let storage = BufferUsages::STORAGE;
+        let shared = [
             self.buffer(&[set.planet], BufferUsages::UNIFORM),
             self.buffer(&set.table, storage),
             self.buffer(&set.heights, storage),
             self.buffer(&set.bounds, storage),
-            self.buffer(&seen, storage),
+            self.buffer(&vec![0u32; set.seen.len()], storage),
         ];
-        let own = [
-            self.buffer(&[*window], BufferUsages::UNIFORM),
-            self.buffer(&vec![0u32; nodes.div_ceil(4)], storage),
-            self.buffer(&[0u32; 3], storage),
-        ];
-        let groups = [self.group(0, &pages.each_ref()), self.group(1, &own.each_ref())];
-        let mut encoder = self.device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(&self.mask);
-            pass.set_bind_group(0, &groups[0], &[]);
-            pass.set_bind_group(1, &groups[1], &[]);
-            pass.dispatch_workgroups(window.columns.div_ceil(8), window.rows.div_ceil(8), 1);
-        }
-        self.queue.submit([encoder.finish()]);
-        let mut mask: Vec<u8> = self.read(&own[1]);
-        mask.truncate(nodes);
-        let sums: Vec<u32> = self.read(&own[2]);
-        let [heights, extremes, steps] = [0, 1, 2].map(|k| u64::from(sums[k]));
-        (mask, WindowCounts { rays: nodes as u64, heights, extremes, steps })
+        let uniform = self.buffer(&[*window], BufferUsages::UNIFORM);
+        self.run(kernel, &shared.each_ref(), Some(&uniform), [window.columns, window.rows])
     }
 }
 
@@ -135,10 +157,12 @@ fn difference(a: &[u8], b: &[u8]) -> f64 {
 #[test]
 fn the_kernel_shades_as_its_twin_does() {
     let Some(gpu) = Gpu::new() else { return };
+    let kernel =
+        gpu.kernel("shadow_mask", SHADOW_MASK, [&[UNIFORM, READ, READ, READ, WRITE], &[UNIFORM, WRITE, WRITE]]);
     for (world, window) in cases() {
         let set = PageSet::of(&world, |level, x, y| level > 0 || (x + y) % 3 != 0);
         let (expected, expected_counts) = shadow_mask(&set.pages(), &window);
-        let (mask, counts) = gpu.mask(&set, &window);
+        let (mask, counts) = gpu.shadow_mask(&kernel, &set, &window);
         let share = difference(&mask, &expected);
         println!("{}: {share:.6} differ; {counts:?} against {expected_counts:?}", world.name);
         assert!(share < 1e-3, "{}: {share} of the nodes differ", world.name);
@@ -158,14 +182,57 @@ fn another_sun_is_noticed() {
 }
 
 #[test]
-fn the_window_is_laid_out_as_in_wgsl() {
-    let module = naga::front::wgsl::parse_str(SHADOW_MASK).unwrap();
-    let (_, found) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some("ShadowWindow")).unwrap();
-    let naga::TypeInner::Struct { members, span } = &found.inner else { panic!("no struct") };
-    assert_eq!(*span as usize, size_of::<ShadowWindow>());
-    let offsets: Vec<(&str, usize)> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset as usize)).collect();
-    macro_rules! fields {
-        ($($f:ident),*) => { [$((stringify!($f), std::mem::offset_of!(ShadowWindow, $f))),*] };
+fn the_papers_kernel_shades_as_its_twin_does() {
+    let Some(gpu) = Gpu::new() else { return };
+    let kernel = gpu.kernel("shadow_paper", SHADOW_PAPER, [&[UNIFORM, READ, READ], &[WRITE, WRITE]]);
+    let world = fractal_plane(8, [30.0, 20.0], 1500.0);
+    let heights_m = (0..256 * 256).map(|k| world.nodes_m[k / 256 * 257 + k % 256]).collect();
+    let map = PaperMap::new(8, [30.0, 20.0], heights_m);
+    for (azimuth_deg, elevation_deg, q) in [(135.0, 8.0, 0), (0.0, 15.0, 1), (270.0, 5.0, 2), (211.0, 20.0, 0)] {
+        for reading in [Reading::Printed, Reading::Meant] {
+            let [x, y, z] = sun(azimuth_deg, elevation_deg);
+            let (expected, expected_counts) = map.paper_mask(q, [x, y, z], reading);
+            let numbers = ShadowPaperMap {
+                sun: [x, y, z, 0.0],
+                spacing_m: map.spacing_m,
+                m: map.m,
+                q,
+                reading: reading as u32,
+                ..ShadowPaperMap::default()
+            };
+            let shared = [
+                gpu.buffer(&[numbers], BufferUsages::UNIFORM),
+                gpu.buffer(&map.heights_m, BufferUsages::STORAGE),
+                gpu.buffer(&map.extremes_m, BufferUsages::STORAGE),
+            ];
+            let (mask, counts) = gpu.run(&kernel, &shared.each_ref(), None, [256, 256]);
+            let share = difference(&mask, &expected);
+            println!("paper {q} {reading:?}: {share:.6} differ; {counts:?} against {expected_counts:?}");
+            assert!(share < 1e-3, "{share} of the texels differ");
+            assert!(counts.steps.abs_diff(expected_counts.steps) * 200 <= expected_counts.steps);
+        }
     }
-    assert_eq!(offsets[..7], fields!(sun, x, y, columns, rows, level, air));
+}
+
+/// Whether a struct of WGSL has a size and begins with some members at their offsets.
+fn is_laid_out(source: &str, name: &str, size: usize, fields: &[(&str, usize)]) -> bool {
+    let module = naga::front::wgsl::parse_str(source).unwrap();
+    let (_, found) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).unwrap();
+    let naga::TypeInner::Struct { members, span } = &found.inner else { panic!("no struct") };
+    let offsets: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset as usize)).collect();
+    *span as usize == size && offsets[..fields.len()] == *fields
+}
+
+#[test]
+fn structs_are_laid_out_as_in_wgsl() {
+    macro_rules! fields {
+        ($t:ty: $($f:ident),*) => { [$((stringify!($f), std::mem::offset_of!($t, $f))),*] };
+    }
+    let window = fields!(ShadowWindow: sun, x, y, columns, rows, level, air);
+    let size = size_of::<ShadowWindow>();
+    assert!(is_laid_out(SHADOW_MASK, "ShadowWindow", size, &window));
+    let map = fields!(ShadowPaperMap: sun, spacing_m, m, q, reading);
+    assert!(is_laid_out(SHADOW_PAPER, "ShadowPaperMap", size_of::<ShadowPaperMap>(), &map));
+    assert!(!is_laid_out(SHADOW_MASK, "ShadowWindow", size + 16, &window));
+    assert!(!is_laid_out(SHADOW_MASK, "ShadowWindow", size, &[("sun", 0), ("y", 16)]));
 }

@@ -10,6 +10,7 @@ mod hard;
 mod page_set;
 mod paged;
 mod plane;
+mod soft;
 mod worlds;
 
 use compare::{compare, compare_with, rays};

@@ -31,6 +31,10 @@ fn shadow_trace(ray: Ray, level: u32, limits: vec2<f32>) -> Trace {
     let high_m = planet.max_m - ray.height_m;
     let end_m = ray_end_m(ray, high_m, least);
     var trace = Trace(least, 0u, 0u, 0u);
+    if ray_buried(ray, most) {
+        trace.slope = FAR;
+        return trace;
+    }
     var square = square_first(ray, level);
     var leaf = true;
     var first = true;
@@ -113,6 +117,15 @@ fn ray_lowest_m(ray: Ray, at_m: vec2<f32>, rise_m: vec2<f32>, slope: f32) -> f32
         return rise_m.y + slope * at_m.y;
     }
     return ray_rise_m(ray, low_at_m) + slope * low_at_m;
+}
+
+fn ray_buried(ray: Ray, slope: f32) -> bool {
+    let low_at_m = ray_lowest_at_m(ray, slope);
+    if planet.plane != 0u || low_at_m <= 0.0 {
+        return false;
+    }
+    let at_m = min(low_at_m, 0.5 * ray.r0_m);
+    return ray_rise_m(ray, at_m) + slope * at_m < planet.min_m - ray.height_m;
 }
 
 fn ray_end_m(ray: Ray, high_m: f32, slope: f32) -> f32 {

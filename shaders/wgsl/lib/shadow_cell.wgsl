@@ -1,6 +1,8 @@
 // The bilinear patch of a cell against a ray. Twin: src/shadow/cell.rs.
 // use: shadow_square
 
+const CELL_ROUNDS: u32 = 6u;
+
 struct CellPatch {
     west: Meridian,
     east: Meridian,
@@ -53,12 +55,15 @@ fn cell_slope(ray: Ray, cell: CellPatch, from_m: f32, to_m: f32, best: f32) -> f
     let p = 4.0 * f1 - 3.0 * f0 - f2;
     let q = 2.0 * (f0 + f2) - 4.0 * f1;
     var slope = max(max(best, f0 / from_m), f2 / to_m);
-    for (var i = 0; i < 2; i++) {
+    for (var i = 0u; i < CELL_ROUNDS; i++) {
         let rise = p - slope * length_m;
-        if q < 0.0 && rise > 0.0 && rise < -2.0 * q {
-            let x = -0.5 * rise / q;
-            slope = max(slope, (f0 + x * (p + x * q)) / (from_m + x * length_m));
+        let inside = q < 0.0 && rise > 0.0 && rise < -2.0 * q;
+        let x = select(0.0, -0.5 * rise / q, inside);
+        let steeper = (f0 + x * (p + x * q)) / (from_m + x * length_m);
+        if !inside || steeper <= slope {
+            break;
         }
+        slope = steeper;
     }
     return slope;
 }

@@ -27,7 +27,11 @@ fn visible_part(slope: f32, sun: vec3<f32>, disk_rad: f32) -> f32 {
     if flat < 16.0 * disk_rad || disk_rad == 0.0 {
         return select(1.0, 0.0, slope > 0.0);
     }
-    let x = clamp(slope * flat / (1.0 + slope * sun.z) / disk_rad, -1.0, 1.0);
+    let under = 1.0 + slope * sun.z;
+    var x = 1.0;
+    if under > 0.0 {
+        x = clamp(slope * flat / (under * disk_rad), -1.0, 1.0);
+    }
     let area = arc_cos(x) - x * sqrt(max(1.0 - x * x, 0.0));
     return clamp(area * (1.0 / PI), 0.0, 1.0);
 }
