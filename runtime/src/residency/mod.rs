@@ -15,6 +15,7 @@ mod crown;
 mod lacking;
 mod loader;
 mod page;
+mod pinned;
 mod ram;
 mod slots;
 mod table;
@@ -37,11 +38,6 @@ use wants::Wants;
 pub use capacity::{Capacity, CapacityError};
 pub use page::Page;
 pub use ram::Ram;
-
-/// Tiles of the coarsest levels that are never dropped: at most this share of the slots.
-const PINNED_SHARE: u32 = 4;
-/// Levels below the root that are never dropped.
-const PINNED_LEVELS: u32 = 2;
 
 /// Where pages are put: a GPU's buffers or RAM.
 pub trait Store {
@@ -106,7 +102,7 @@ impl<S: Store> Resident<S> {
             wants: Wants::default(),
             unavailable: HashMap::new(),
             ready: BTreeMap::new(),
-            pinned: pinned(&planet, capacity.slots()),
+            pinned: pinned::tiles(&planet, capacity.slots()),
             updated: true,
             planet,
             uniform,
@@ -326,23 +322,6 @@ impl<S: Store> Resident<S> {
         self.wants.remove(key);
         Some(usize::from(dropped))
     }
-}
-
-/// The tiles that a file has of its coarsest levels, as long as they are a small part of the slots.
-fn pinned(planet: &Planet, slots: u32) -> Vec<TileKey> {
-    let (grid, relief) = (planet.grid(), planet.relief());
-    let (root, mut keys) = (grid.root_level(), Vec::new());
-    for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
-        // What cannot be read is an error when it is asked for.
-        let find = |key| relief.check_whole().and_then(|()| relief.find(key));
-        let stored: Vec<TileKey> =
-            closure::level(grid, level).filter(|&key| matches!(find(key), Ok(Some(_)))).collect();
-        if level < root && (keys.len() + stored.len()) * PINNED_SHARE as usize > slots as usize {
-            break;
-        }
-        keys.extend(stored);
-    }
-    keys
 }
 
 #[cfg(test)]
