@@ -3,14 +3,7 @@
 use relief_formats::file::FormatError;
 use relief_formats::tile::TileKey;
 
-use crate::planet::Planet;
-
 use super::{Resident, Store, Unavailable, closure};
-
-/// Tiles of the coarsest levels that are never dropped: at most this share of the slots.
-const PINNED_SHARE: u32 = 4;
-/// Levels below the root that are never dropped.
-const PINNED_LEVELS: u32 = 2;
 
 impl<S: Store> Resident<S> {
     /// Marks the finest tile at or above `key` that the file can give, with what it rests on, as
@@ -78,21 +71,4 @@ impl<S: Store> Resident<S> {
             self.want(self.pinned[n]);
         }
     }
-}
-
-/// The tiles that a file has of its coarsest levels, as long as they are a small part of the slots.
-pub(super) fn pinned(planet: &Planet, slots: u32) -> Vec<TileKey> {
-    let (grid, relief) = (planet.grid(), planet.relief());
-    let (root, mut keys) = (grid.root_level(), Vec::new());
-    for level in (root.saturating_sub(PINNED_LEVELS)..=root).rev() {
-        // What cannot be read is an error when it is asked for.
-        let find = |key| relief.check_whole().and_then(|()| relief.find(key));
-        let stored: Vec<TileKey> =
-            closure::level(grid, level).filter(|&key| matches!(find(key), Ok(Some(_)))).collect();
-        if level < root && (keys.len() + stored.len()) * PINNED_SHARE as usize > slots as usize {
-            break;
-        }
-        keys.extend(stored);
-    }
-    keys
 }

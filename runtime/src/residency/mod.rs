@@ -16,6 +16,7 @@ mod demand;
 mod lacking;
 mod loader;
 mod page;
+mod pinned;
 mod ram;
 mod slots;
 mod supply;
@@ -103,7 +104,7 @@ impl<S: Store> Resident<S> {
             wants: Wants::default(),
             unavailable: HashMap::new(),
             ready: BTreeMap::new(),
-            pinned: demand::pinned(&planet, capacity.slots()),
+            pinned: pinned::tiles(&planet, capacity.slots()),
             updated: true,
             planet,
             uniform,
