@@ -116,3 +116,15 @@ fn a_sweep_of_the_disk_is_what_single_rays_see() {
         assert!(partly > 200 && differ == 0, "{partly} {differ}");
     }
 }
+
+#[test]
+fn samples_of_sixteen_bits_and_suns_without_azimuth() {
+    let world = fractal_plane(8, [30.0, 30.0], 1200.0);
+    let samples: Vec<i16> = world.nodes_m.iter().map(|&m| (m * 16.0) as i16).collect();
+    let narrow =
+        PlaneNodes { samples: &samples, unit_m: 1.0 / 16.0, columns: 256, rows: 256, spacing_m: world.spacing_m };
+    let sun = sun(200.0, 7.0);
+    assert!(sweep_mask::<false, i16>(&narrow, sun).0 == sweep_mask::<false, f32>(&nodes(&world), sun).0);
+    let all = |value: u8, sun| sweep_mask::<false, i16>(&narrow, sun).0.iter().all(|&v| v == value);
+    assert!(all(1, [0.0, 0.0, 1.0]) && all(0, [0.0, 0.0, -1.0]));
+}
