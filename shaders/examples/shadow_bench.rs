@@ -1,7 +1,8 @@
 //! Speed and fetches of the shadow kernels on a planar file: `shadow_bench FILE.relief`.
 //!
-//! Every node of the plane is a ray, for four suns: by the sweep, by single exact rays, and by
-//! single rays without the least heights, and without any bounds. Prints one JSON object.
+//! Every node of the plane is a ray, for four suns: by the sweep, by single exact rays, by single
+//! rays without the least heights, and without any bounds, and by the paper's kernel, as it is
+//! printed and as it is meant, with the share of nodes that it gets wrong. Prints one JSON object.
 
 use std::error::Error;
 use std::path::Path;
@@ -13,13 +14,15 @@ use relief_formats::file::Relief;
 use relief_formats::tiles::Tiles;
 use relief_shaders::planet::Planet;
 use relief_shaders::shadow::dense::Dense;
+use relief_shaders::shadow::paper::{PaperMap, Reading};
 use relief_shaders::shadow::sweep::{PlaneNodes, sweep_mask};
 use relief_shaders::shadow::{Relief as Bounds, shadow_exact};
 
 /// Azimuth of the suns, degrees.
 const AZIMUTH_DEG: f64 = 135.0;
-/// Every n-th node in both directions is cast by the kernels that are only counted.
-const SPARSE: usize = 8;
+/// Every n-th node in both directions is cast by the kernels that are only counted: an odd number,
+/// so that all places within the blocks of the pyramid are met.
+const SPARSE: usize = 7;
 
 /// A dense level of which only the greatest heights are known, or nothing.
 #[derive(Clone, Copy)]
@@ -63,6 +66,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (columns, rows) = (dense.columns(), dense.rows());
     let nodes = PlaneNodes { samples: dense.nodes_m(), unit_m: 1.0, columns, rows, spacing_m: [dx, dy] };
     let all = (columns * rows) as f64;
+    let texels = (0..rows).flat_map(|y| dense.row_m(y)[..columns].to_vec()).collect();
+    let paper = PaperMap::new(grid.m, [dx as f32, dy as f32], texels);
     let mut suns = Vec::new();
     for elevation_deg in [2.0f64, 5.0, 10.0, 20.0] {
         let ((sa, ca), (se, ce)) = (AZIMUTH_DEG.to_radians().sin_cos(), elevation_deg.to_radians().sin_cos());
@@ -75,12 +80,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         let fetched = cast_all(&planet, &dense, 1, &|| &dense, sun);
         let exact_s = begin.elapsed().as_secs_f64();
         kernels.push(row("exact", Some(all / exact_s / 1e6), fetched, all));
-        let sparse = all / (SPARSE * SPARSE) as f64;
+        let sparse = (columns.div_ceil(SPARSE) * rows.div_ceil(SPARSE)) as f64;
         for (name, greatest) in [("greatest only", true), ("no bounds", false)] {
             let blinkered = || Blinkered { dense: &dense, greatest };
             let [heights, extremes] = cast_all(&planet, &dense, SPARSE, &blinkered, sun);
             // Without bounds nothing is looked up but heights.
             kernels.push(row(name, None, [heights, if greatest { extremes } else { 0 }], sparse));
+        }
+        for (name, reading) in [("paper, printed", Reading::Printed), ("paper, meant", Reading::Meant)] {
+            let begin = Instant::now();
+            let (texels, counts) = paper.paper_mask(0, sun, reading);
+            let speed = all / begin.elapsed().as_secs_f64() / 1e6;
+            let wrong = texels.iter().zip(&mask).filter(|(a, b)| (**a == 0) != (**b == 0)).count() as f64 / all;
+            let row = row(name, Some(speed), [counts.heights, counts.extremes], all);
+            kernels.push(row.replace('}', &format!(", \"wrong\": {wrong:.6}}}")));
         }
         suns.push(format!(
             "{{\"elevation_deg\": {elevation_deg}, \"lit\": {lit:.6}, \"kernels\": [{}]}}",

@@ -75,6 +75,7 @@ pub struct Parallel {
 
 /// The angle of (x, y) in units, within 2e-7 rad; 0 for the origin.
 #[must_use]
+#[inline]
 pub fn ray_heading(x: f32, y: f32) -> u32 {
     let [ax, ay] = [x.abs(), y.abs()];
     let long = ax.max(ay);
@@ -104,6 +105,7 @@ pub fn ray_heading(x: f32, y: f32) -> u32 {
 ///
 /// At a pole the ray is told in the meridian that it runs along: there no longitude is crossed.
 #[must_use]
+#[inline]
 pub fn ray_from(planet: &Planet, s: u32, t: u32, height_m: f32, direction: [f32; 3]) -> Ray {
     let [east, north, up] = direction;
     let mut ray = Ray { s, t, height_m, east, north, up, ..Ray::default() };
@@ -132,6 +134,7 @@ pub fn ray_from(planet: &Planet, s: u32, t: u32, height_m: f32, direction: [f32;
 /// What the distance from the polar axis gains on its tangent at the start, metres: the path's
 /// bend in the meridian plane.
 #[must_use]
+#[inline]
 pub fn ray_bend_m(planet: &Planet, ray: &Ray, at_m: f32) -> f32 {
     if planet.plane != 0 {
         return 0.0;
@@ -146,6 +149,7 @@ pub fn ray_bend_m(planet: &Planet, ray: &Ray, at_m: f32) -> f32 {
 /// Height above the ellipsoid at a distance, less the start's, metres. On Earth within 1.3 mm + 1e-6
 /// of the distance up to 400 km.
 #[must_use]
+#[inline]
 pub fn ray_rise_m(planet: &Planet, ray: &Ray, at_m: f32) -> f32 {
     if planet.plane != 0 {
         return at_m * ray.up;
@@ -174,6 +178,7 @@ pub fn ray_rise_m(planet: &Planet, ray: &Ray, at_m: f32) -> f32 {
 /// (N1 - N0, e2 (N1 sin psi1 - N0 sin psi0)), metres, for a latitude by its sine and the
 /// difference of the sines.
 #[must_use]
+#[inline]
 pub fn ray_normal_shift_m(planet: &Planet, ray: &Ray, sin1: f32, d_sin: f32) -> [f32; 2] {
     let w1 = (1.0 - planet.e2 * sin1 * sin1).sqrt();
     let d_n = planet.a_m * planet.e2 * d_sin * (sin1 + ray.sin_lat) / (ray.w0 * w1 * (ray.w0 + w1));
@@ -182,12 +187,14 @@ pub fn ray_normal_shift_m(planet: &Planet, ray: &Ray, sin1: f32, d_sin: f32) -> 
 
 /// a - b of coordinates that do not wrap.
 #[must_use]
+#[inline]
 pub fn ray_difference(a: u32, b: u32) -> f32 {
     if a >= b { (a - b) as f32 } else { -((b - a) as f32) }
 }
 
 /// The meridian S.
 #[must_use]
+#[inline]
 pub fn ray_meridian(planet: &Planet, ray: &Ray, s: u32) -> Meridian {
     if planet.plane != 0 {
         return Meridian { offset_m: ray_difference(s, ray.s) * planet.unit_x_m, rate: ray.east };
@@ -198,12 +205,14 @@ pub fn ray_meridian(planet: &Planet, ray: &Ray, s: u32) -> Meridian {
 
 /// Metres that a point of the ray lies east of a meridian's plane.
 #[must_use]
+#[inline]
 pub fn ray_east_of_m(meridian: Meridian, at_m: f32) -> f32 {
     meridian.rate * at_m - meridian.offset_m
 }
 
 /// Distance at which the ray crosses a meridian ahead, metres; [`FAR`] if it never does.
 #[must_use]
+#[inline]
 pub fn ray_meridian_at_m(ray: &Ray, meridian: Meridian) -> f32 {
     let sign = if ray.east > 0.0 { 1.0 } else { -1.0 };
     ray_line_at_m(sign * meridian.offset_m, sign * meridian.rate)
@@ -212,12 +221,14 @@ pub fn ray_meridian_at_m(ray: &Ray, meridian: Meridian) -> f32 {
 /// Distance at which something `ahead_m` metres ahead is reached at a rate; [`FAR`] if it is not
 /// ahead or never reached.
 #[must_use]
+#[inline]
 pub fn ray_line_at_m(ahead_m: f32, rate: f32) -> f32 {
     if ahead_m > 0.0 && rate > 0.0 && ahead_m < FAR * rate { ahead_m / rate } else { FAR }
 }
 
 /// The parallel T, within 90 degrees of the start.
 #[must_use]
+#[inline]
 pub fn ray_parallel(planet: &Planet, ray: &Ray, t: u32) -> Parallel {
     let dt = ray_difference(t, ray.t);
     if planet.plane != 0 {
@@ -247,6 +258,7 @@ pub fn ray_parallel(planet: &Planet, ray: &Ray, t: u32) -> Parallel {
 
 /// Metres that a point of the ray with the given bend lies north of a parallel's cone.
 #[must_use]
+#[inline]
 pub fn ray_north_of_m(parallel: Parallel, at_m: f32, bend_m: f32) -> f32 {
     parallel.north_m + parallel.rate * at_m - parallel.sin * bend_m
 }
@@ -255,6 +267,7 @@ pub fn ray_north_of_m(parallel: Parallel, at_m: f32, bend_m: f32) -> f32 {
 /// never does. The cone's quadratic A t^2 + 2 B t + C, with B^2 - A C = sin^2 (a sum of squares
 /// and products that do not cancel) and the branch chosen by the sense of the crossing.
 #[must_use]
+#[inline]
 pub fn ray_parallel_at_m(planet: &Planet, ray: &Ray, p: Parallel, northward: bool) -> f32 {
     let sign = if northward { 1.0 } else { -1.0 };
     if planet.plane != 0 {
@@ -282,6 +295,7 @@ pub fn ray_parallel_at_m(planet: &Planet, ray: &Ray, p: Parallel, northward: boo
 
 /// Whether the ray moves north at a distance. A straight line's latitude turns once at most.
 #[must_use]
+#[inline]
 pub fn ray_moves_north(ray: &Ray, at_m: f32) -> bool {
     let rate = ray.turn_m + ray.turn * at_m;
     if rate == 0.0 { ray.turn > 0.0 } else { rate > 0.0 }

@@ -24,6 +24,7 @@ pub struct CellPatch {
 
 /// The patch of a cell with corners in metres. `first`: the ray starts on it.
 #[must_use]
+#[inline]
 pub fn cell_patch(planet: &Planet, ray: &Ray, cell: Square, corners_m: [f32; 4], first: bool) -> CellPatch {
     let shift = square_shift(planet, cell.level);
     let mut patch = CellPatch {
@@ -42,6 +43,7 @@ pub fn cell_patch(planet: &Planet, ray: &Ray, cell: Square, corners_m: [f32; 4],
 
 /// Metres by which the patch is above the ray at a distance.
 #[must_use]
+#[inline]
 pub fn cell_above_m(planet: &Planet, ray: &Ray, patch: &CellPatch, at_m: f32) -> f32 {
     let bend_m = ray_bend_m(planet, ray, at_m);
     let u = cell_share(ray_east_of_m(patch.west, at_m), ray_east_of_m(patch.east, at_m));
@@ -52,6 +54,7 @@ pub fn cell_above_m(planet: &Planet, ray: &Ray, patch: &CellPatch, at_m: f32) ->
 }
 
 /// Share of the way from one border to the next, from the distances to both.
+#[inline]
 fn cell_share(from_m: f32, to_m: f32) -> f32 {
     let width_m = from_m - to_m;
     if width_m > 0.0 { (from_m / width_m).clamp(0.0, 1.0) } else { 0.0 }
@@ -63,6 +66,7 @@ fn cell_share(from_m: f32, to_m: f32) -> f32 {
 /// Along the ray the difference is a quadratic: on a plane exactly, on a body but for terms of the
 /// third order within one cell. Its ratio to the distance is raised by Dinkelbach's method.
 #[must_use]
+#[inline]
 pub fn cell_slope(planet: &Planet, ray: &Ray, patch: &CellPatch, from_m: f32, to_m: f32, best: f32) -> f32 {
     let length_m = to_m - from_m;
     let f0 = cell_above_m(planet, ray, patch, from_m);

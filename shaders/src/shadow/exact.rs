@@ -137,12 +137,14 @@ pub fn shadow_trace<R: Relief>(
 }
 
 /// Distance at which the ray, raised by a slope, is lowest; metres.
+#[inline]
 fn ray_lowest_at_m(ray: &Ray, slope: f32) -> f32 {
     -ray.r0_m * (ray.up + slope)
 }
 
 /// Least rise of the ray, raised by a slope, between two distances at which its rises are known:
 /// it falls until it is lowest, then climbs.
+#[inline]
 fn ray_lowest_m(planet: &Planet, ray: &Ray, at_m: [f32; 2], rise_m: [f32; 2], slope: f32) -> f32 {
     let low_at_m = ray_lowest_at_m(ray, slope);
     if at_m[0] >= low_at_m {
@@ -156,6 +158,7 @@ fn ray_lowest_m(planet: &Planet, ray: &Ray, at_m: [f32; 2], rise_m: [f32; 2], sl
 
 /// Whether the ray, raised by a slope, passes below all relief of the body: by night it does, and
 /// nothing need be fetched. A plane may be left before.
+#[inline]
 fn ray_buried(planet: &Planet, ray: &Ray, slope: f32) -> bool {
     let low_at_m = ray_lowest_at_m(ray, slope);
     if planet.plane != 0 || low_at_m <= 0.0 {
@@ -167,6 +170,7 @@ fn ray_buried(planet: &Planet, ray: &Ray, slope: f32) -> bool {
 }
 
 /// A distance beyond which the ray, raised by a slope, is above all relief.
+#[inline]
 fn ray_end_m(planet: &Planet, ray: &Ray, high_m: f32, slope: f32) -> f32 {
     let up = ray.up + slope;
     // A little more than needed: the radius of curvature is not the same everywhere.

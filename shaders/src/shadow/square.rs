@@ -31,12 +31,14 @@ pub struct Exit {
 
 /// Units along a square's side, as a shift.
 #[must_use]
+#[inline]
 pub fn square_shift(planet: &Planet, level: u32) -> u32 {
     31 - planet.m + level
 }
 
 /// Columns of a level; rows are 2^(m - level).
 #[must_use]
+#[inline]
 pub fn square_columns(planet: &Planet, level: u32) -> u32 {
     1 << (planet.m + 1 - planet.plane - level)
 }
@@ -44,6 +46,7 @@ pub fn square_columns(planet: &Planet, level: u32) -> u32 {
 /// The square of a level that a ray enters first; on a border the one ahead. None for a ray that
 /// leaves a plane at once.
 #[must_use]
+#[inline]
 pub fn square_first(planet: &Planet, ray: &Ray, level: u32) -> Option<Square> {
     let shift = square_shift(planet, level);
     let [west, south] = [ray.east < 0.0, !ray_moves_north(ray, 0.0)];
@@ -63,6 +66,7 @@ pub fn square_first(planet: &Planet, ray: &Ray, level: u32) -> Option<Square> {
 /// The way out of a square for a ray that entered it at a distance. `over_pole`: it has passed
 /// over a pole.
 #[must_use]
+#[inline]
 pub fn square_exit(planet: &Planet, ray: &Ray, square: Square, at_m: f32, over_pole: bool) -> Exit {
     let shift = square_shift(planet, square.level);
     let mut x_at_m = FAR;
@@ -97,6 +101,7 @@ pub fn square_exit(planet: &Planet, ray: &Ray, square: Square, at_m: f32, over_p
 
 /// The quarter of a square, one level finer, in which the ray is at a distance.
 #[must_use]
+#[inline]
 pub fn square_child(planet: &Planet, ray: &Ray, square: Square, at_m: f32) -> Square {
     let level = square.level - 1;
     let shift = square_shift(planet, level);
@@ -108,6 +113,7 @@ pub fn square_child(planet: &Planet, ray: &Ray, square: Square, at_m: f32) -> Sq
 
 /// A hundredth of a cell's side of a level, metres: the relief nearer than this shades nothing.
 #[must_use]
+#[inline]
 pub fn shadow_near_m(planet: &Planet, level: u32) -> f32 {
     let units = ray_difference(1 << square_shift(planet, level), 0);
     let side_m = if planet.plane != 0 {
@@ -120,12 +126,14 @@ pub fn shadow_near_m(planet: &Planet, level: u32) -> f32 {
 
 /// The square of the next coarser level.
 #[must_use]
+#[inline]
 pub fn square_parent(square: Square) -> Square {
     Square { level: square.level + 1, x: square.x >> 1, y: square.y >> 1 }
 }
 
 /// The square beside; over a pole the one in the same row half a turn on. None off a plane.
 #[must_use]
+#[inline]
 pub fn square_beside(planet: &Planet, square: Square, dx: i32, dy: i32) -> Option<Square> {
     let columns = square_columns(planet, square.level);
     let rows = 1 << (planet.m - square.level);

@@ -6,6 +6,7 @@ use crate::angle::{sin_cos, sin_cos_lat};
 /// `s_origin`, y east of it, z along the axis. ECEF has `s_origin` 2^31 (longitude 0); a view's
 /// directions that of its camera. Error 3e-7 rad.
 #[must_use]
+#[inline]
 pub fn sun_local(direction: [f32; 3], s_origin: u32, s: u32, t: u32) -> [f32; 3] {
     let [sin_lon, cos_lon] = sin_cos(s.wrapping_sub(s_origin));
     let [sin_lat, cos_lat] = sin_cos_lat(t);
@@ -17,6 +18,7 @@ pub fn sun_local(direction: [f32; 3], s_origin: u32, s: u32, t: u32) -> [f32; 3]
 /// Slopes (metres above the ray to the disk's centre, a metre of distance) of the disk's lower and
 /// upper limb. A disk near the zenith counts as a point: nothing shades a part of it.
 #[must_use]
+#[inline]
 pub fn disk_slopes(sun: [f32; 3], disk_rad: f32) -> [f32; 2] {
     let [east, north, up] = sun;
     let cos = (east * east + north * north).sqrt();
@@ -30,6 +32,7 @@ pub fn disk_slopes(sun: [f32; 3], disk_rad: f32) -> [f32; 2] {
 /// Visible part of the disk above relief of a slope: the segment of a circle that a straight
 /// horizon leaves.
 #[must_use]
+#[inline]
 pub fn visible_part(slope: f32, sun: [f32; 3], disk_rad: f32) -> f32 {
     let [east, north, up] = sun;
     let cos = (east * east + north * north).sqrt();
@@ -54,6 +57,7 @@ fn arc_cos(x: f32) -> f32 {
 /// 1.02' / tan(e + 10.3 / (e + 5.11)) in degrees, at 1010 hPa and 10 degrees Celsius, times
 /// `density` (1 on Earth at sea level). Below -1.9 degrees it is that at -1.9 degrees.
 #[must_use]
+#[inline]
 pub fn refracted(sun: [f32; 3], density: f32) -> [f32; 3] {
     let [east, north, up] = sun;
     let cos = (east * east + north * north).sqrt();

@@ -1,10 +1,11 @@
 //! The sweep over a plane against the oracle, and against the caster of single rays.
 
 use rayon::prelude::*;
-use relief_shaders::shadow::sweep::{PlaneNodes, sweep_mask};
+use relief_shaders::shadow::shadow_exact;
+use relief_shaders::shadow::sweep::{PlaneNodes, sweep_disk, sweep_mask};
 
 use crate::compare::{Random, sun};
-use crate::worlds::{fractal_plane, world};
+use crate::worlds::{dense, fractal_plane, planet, world};
 use relief_shaders::oracle::World;
 
 fn nodes(world: &World) -> PlaneNodes<'_, f32> {
@@ -93,4 +94,37 @@ fn spikes_checkerboards_and_flats_agree_with_the_oracle() {
     compare_sweep(&board, &SUNS, 800);
     let flat = world("flat", 8, None, [30.0; 2], |_, _| 8_848.0);
     compare_sweep(&flat, &SUNS[..13], 300);
+}
+
+#[test]
+fn a_sweep_of_the_disk_is_what_single_rays_see() {
+    let world = fractal_plane(8, [30.0, 40.0], 3000.0);
+    let (planet, dense) = (planet(&world), dense(&world));
+    for (azimuth_deg, elevation_deg) in [(135.0, 5.0), (260.0, 20.0), (10.0, 1.0)] {
+        let sun = sun(azimuth_deg, elevation_deg);
+        let swept = sweep_disk(&planet, &nodes(&world), 0, || &dense, sun, 0.004_65);
+        let (mut partly, mut differ) = (0, 0);
+        for (k, &swept) in swept.iter().enumerate() {
+            let [i, j] = [k % 256, k / 256];
+            let place = [i, j].map(|v| (v as u32) << 23);
+            let part = shadow_exact(&planet, &mut &dense, place, dense.row_m(j)[i], 0, sun, 0.004_65).visible;
+            partly += usize::from(part > 0.0 && part < 1.0);
+            // Where a limb touches the relief the two may round apart.
+            differ += usize::from((part * 255.0 - f32::from(swept)).abs() > 1.0);
+        }
+        println!("{partly} see a part, {differ} differ");
+        assert!(partly > 200 && differ == 0, "{partly} {differ}");
+    }
+}
+
+#[test]
+fn samples_of_sixteen_bits_and_suns_without_azimuth() {
+    let world = fractal_plane(8, [30.0, 30.0], 1200.0);
+    let samples: Vec<i16> = world.nodes_m.iter().map(|&m| (m * 16.0) as i16).collect();
+    let narrow =
+        PlaneNodes { samples: &samples, unit_m: 1.0 / 16.0, columns: 256, rows: 256, spacing_m: world.spacing_m };
+    let sun = sun(200.0, 7.0);
+    assert!(sweep_mask::<false, i16>(&narrow, sun).0 == sweep_mask::<false, f32>(&nodes(&world), sun).0);
+    let all = |value: u8, sun| sweep_mask::<false, i16>(&narrow, sun).0.iter().all(|&v| v == value);
+    assert!(all(1, [0.0, 0.0, 1.0]) && all(0, [0.0, 0.0, -1.0]));
 }

@@ -160,7 +160,7 @@ impl Band {
             *above = above.max(m);
             *block = block.max(m);
         }
-        if along % BLOCK == 0 {
+        if along.is_multiple_of(BLOCK) {
             self.rest_m[along / BLOCK * STRIDE..][..STRIDE].copy_from_slice(&self.above_m);
         }
     }

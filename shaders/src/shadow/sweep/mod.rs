@@ -10,11 +10,13 @@
 //! Memory: the nodes, the mask twice, and three floats a row and strip of a band.
 
 mod band;
+mod disk;
 mod slab;
 
 use rayon::prelude::*;
 
 use band::{BAND, Band};
+pub use disk::sweep_disk;
 
 /// Nodes of a plane in rows from the south; heights are samples times `unit_m`.
 #[derive(Clone, Copy, Debug)]
