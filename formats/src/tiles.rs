@@ -97,7 +97,7 @@ impl<'a> Tiles<'a> {
     }
 
     /// Deviation codes of the tile's new nodes, 257 x 257, 0 at the others; see
-    /// [`crate::derive::decode_deviation`]. None for an absent tile: it is never refined.
+    /// [`crate::derive::decode_deviation`]. None for an absent tile: nothing is stored for it.
     pub fn deviations(&self, key: TileKey) -> Result<Option<Vec<u8>>, FormatError> {
         let Some(entry) = self.relief().find(key)? else { return Ok(None) };
         let samples = self.nodes(key)?;

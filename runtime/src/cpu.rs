@@ -3,11 +3,14 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use relief_shaders::frame::{self, Style};
+use relief_formats::file::FormatError;
+use relief_shaders::frame::{self, Maps, Style};
 use relief_shaders::leb::{self, ReliefTriangle};
+use relief_shaders::shadow::dense::Dense;
+use relief_shaders::shadow::paper::PaperMap;
 use relief_shaders::{paper, planet as shared};
 
-use crate::frame::{Frame, RenderError, Renderer, Scheme, Settings, Stats, sea_of, style_of};
+use crate::frame::{Frame, RenderError, Renderer, Scheme, Settings, Shadow, Stats, sea_of, style_of};
 use crate::planet::Planet;
 use crate::residency::{Capacity, Progress, Ram, Resident};
 use crate::view::{View, ViewError};
@@ -22,6 +25,8 @@ pub struct Cpu {
     resident: Resident<Ram>,
     style: Style,
     sea_m: Vec<f32>,
+    /// Made when a frame first asks for it.
+    paper: Option<PaperMap>,
 }
 
 impl Cpu {
@@ -33,7 +38,7 @@ impl Cpu {
         let capacity = Capacity::within(atlas_bytes, u64::MAX)?;
         let style = style_of(&planet)?;
         let sea_m = sea_of(&planet);
-        Ok(Self { sea_m, resident: Resident::new(planet, capacity, Ram::new(capacity))?, style })
+        Ok(Self { paper: None, sea_m, resident: Resident::new(planet, capacity, Ram::new(capacity))?, style })
     }
 
     /// The resident set.
@@ -81,13 +86,18 @@ impl Renderer for Cpu {
         }
         let uniform = view.uniform(self.resident.planet())?;
         settings.check()?;
+        settings.check_kernel(self.resident.planet().grid(), true)?;
+        if settings.shadow == Shadow::Paper && self.paper.is_none() {
+            self.paper = Some(paper_map(self.resident.planet())?);
+        }
         let style = settings.style(&self.style);
         let mut clock = Clock(Instant::now());
         let (triangles, mut stats) = self.tessellate(&uniform, settings.scheme);
         stats.pass_ms.push(("tessellate", clock.lap_ms()));
+        let maps = Maps { sea_m: &self.sea_m, paper: self.paper.as_ref() };
         let places = frame::draw(self.resident.uniform(), &uniform, &triangles);
         stats.pass_ms.push(("draw", clock.lap_ms()));
-        let (shaded, fetches) = frame::shade(&self.resident.pages(), &uniform, &style, &self.sea_m, &places);
+        let (shaded, fetches) = frame::shade(&self.resident.pages(), &uniform, &style, maps, &places);
         stats.pass_ms.push(("shade", clock.lap_ms()));
         stats.triangles = triangles.len() as u64;
         stats.fetches = fetches;
@@ -107,6 +117,15 @@ impl Renderer for Cpu {
     fn update(&mut self, budget: Duration) -> Progress {
         self.resident.update(budget)
     }
+}
+
+/// The pyramids of paper 001, from level 0 of a plane.
+fn paper_map(planet: &Planet) -> Result<PaperMap, FormatError> {
+    let uniform = planet.uniform();
+    let dense = Dense::from_tiles(&uniform, planet.tiles(), 0)?;
+    let heights_m = (0..dense.rows()).flat_map(|y| &dense.row_m(y)[..dense.columns()]).copied().collect();
+    let units = (1u64 << (31 - uniform.m)) as f32;
+    Ok(PaperMap::new(uniform.m, [uniform.unit_x_m * units, uniform.unit_y_m * units], heights_m))
 }
 
 struct Clock(Instant);

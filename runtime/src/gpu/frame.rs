@@ -158,6 +158,7 @@ impl Gpu {
         let uniform = view.uniform(self.resident.planet())?;
         Targets::check(&self.device, [view.width, view.height])?;
         settings.check()?;
+        settings.check_kernel(self.resident.planet().grid(), false)?;
         let style = settings.style(&self.style);
         let device = self.device.clone();
         let pending = device.guard(|| {

@@ -28,6 +28,14 @@ pub enum ViewError {
         /// Largest side, where that is what stands in the way.
         limit: Option<u32>,
     },
+    /// A kernel that this file or this backend does not have.
+    #[error("{what}: {rule}")]
+    Kernel {
+        /// What was asked for.
+        what: &'static str,
+        /// Where it can be had.
+        rule: &'static str,
+    },
     /// A place or sun of a globe was given for a plane, or the other way round.
     #[error("{what} for a {given}, but the file holds a {file}")]
     Body {

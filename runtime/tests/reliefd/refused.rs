@@ -24,6 +24,10 @@ const GLOBE: &[Case] = &[
     ("render FILE --camera 0,0,1000 --out OUT/none/a.png --backend cpu --size 8x8", &["none", "create the folder"]),
     ("render FILE --camera 0,0,1000 --out OUT/a.png --sun 0,95", &["sub-solar latitude of 95", "remedy:"]),
     ("render FILE --camera 0,0,1000 --out OUT/a.png --sun 0,9 --time 2026-06-21T00:00:00Z", &["cannot be used with"]),
+    (
+        "render FILE --camera 0,0,1000 --shadow paper --out OUT/a.png",
+        &["shadow kernel `paper`", "over a plane", "--shadow exact"],
+    ),
     ("mask FILE -o OUT/a.tif", &["without a sun", "--sun LON,LAT", "remedy:"]),
     ("mask FILE -o OUT/a.tif --time 2026-06-21", &["2026-06-21", "RFC 3339"]),
     ("mask FILE -o OUT/a.tif --time 2016-12-31T23:59:60Z", &["leap seconds", "remedy:"]),

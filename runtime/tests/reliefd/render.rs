@@ -98,17 +98,24 @@ fn overlays_and_schemes_differ() {
     assert!(frame("--scheme paper").len() == plain.len());
 }
 
-/// West of a wall, with the sun in the east.
+/// A dam of 16 nodes from the wall eastwards.
+fn dam(grid: Grid, i: u32, j: u32) -> i32 {
+    (0..16).map(|width| wall(grid, i.saturating_sub(width), j)).max().unwrap_or(0)
+}
+
+/// West of a wall, with the sun in the east. The paper's kernel sees a dam, but loses a wall of one
+/// node between the samples of its bounds.
 #[test]
 fn shadows_are_drawn_unless_they_are_not_wanted() {
     let folder = Folder::new();
-    let file = folder.sample("wall.relief", &plane(wall));
-    let lit = |options: &str| {
+    let lit = |relief: fn(Grid, u32, u32) -> i32, options: &str| {
+        let file = folder.sample("wall.relief", &plane(relief));
         let words = format!(
             "render FILE --backend cpu --camera 6000,5840,9000 --size 64x64 --sun 90,20 --out OUT/a.png --mask OUT/m.png {options}"
         );
         reliefd(&words, &file).good();
         png(&folder.path("m.png")).3[64 * 32 + 32 - 4]
     };
-    assert_eq!((lit(""), lit("--shadow none")), (0, 255));
+    assert_eq!((lit(wall, ""), lit(wall, "--shadow paper"), lit(wall, "--shadow none")), (0, 255, 255));
+    assert_eq!((lit(dam, ""), lit(dam, "--shadow paper"), lit(dam, "--shadow none")), (0, 0, 255));
 }

@@ -12,6 +12,6 @@ pub mod style;
 pub mod uniform;
 
 pub use raster::{Places, draw};
-pub use shade::{Fetches, Shaded, shade};
+pub use shade::{Fetches, Maps, Shaded, shade};
 pub use style::{Overlay, Shadow, Style};
 pub use uniform::uniform;

@@ -9,6 +9,7 @@ use super::style::{Overlay, Shadow, Shore, Style};
 use crate::pages::Pages;
 use crate::planet::{Planet, View};
 use crate::shadow::pages::PagedRelief;
+use crate::shadow::paper::{PaperMap, Reading};
 use crate::shadow::sun::{refracted, sun_local};
 use crate::shadow::{k_shadow, shadow_exact};
 
@@ -21,6 +22,15 @@ pub struct Shaded {
     pub distances_m: Vec<f32>,
     /// East and north of the ground's unit normal, 16 bits each, -1 to 1; 0 in the sky.
     pub normals: Vec<u32>,
+}
+
+/// What shading reads besides the pages.
+#[derive(Clone, Copy, Debug)]
+pub struct Maps<'a> {
+    /// Sea levels, metres: the grid of [`super::sea`].
+    pub sea_m: &'a [f32],
+    /// Where shadows are the paper's.
+    pub paper: Option<&'a PaperMap>,
 }
 
 /// What the rays of a frame fetched.
@@ -47,9 +57,10 @@ impl Fetches {
     }
 }
 
-/// Shades what was drawn. `sea_m` is the grid of [`super::sea`]; it is read where the style says so.
+/// Shades what was drawn. The grid of [`super::sea`] and the paper's map are read where the style
+/// says so.
 #[must_use]
-pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, sea_m: &[f32], places: &Places) -> (Shaded, Fetches) {
+pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, maps: Maps<'_>, places: &Places) -> (Shaded, Fetches) {
     let (width, count) = (view.width as usize, places.depths.len());
     let mut shaded = Shaded { colours: vec![0; count], distances_m: vec![0.0; count], normals: vec![0; count] };
     let Shaded { colours, distances_m, normals } = &mut shaded;
@@ -59,7 +70,7 @@ pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, sea_m: &[f32], place
         .zip(normals.par_chunks_mut(width))
         .enumerate();
     let fetches = rows.map(|(row, ((colours, distances_m), normals))| {
-        let mut canvas = Canvas { pages, view, style, sea_m, fetches: Fetches::default() };
+        let mut canvas = Canvas { pages, view, style, maps, fetches: Fetches::default() };
         for column in 0..width {
             let at = row * width + column;
             (colours[column], distances_m[column], normals[column]) =
@@ -75,7 +86,7 @@ struct Canvas<'a> {
     pages: &'a Pages<'a>,
     view: &'a View,
     style: &'a Style,
-    sea_m: &'a [f32],
+    maps: Maps<'a>,
     fetches: Fetches,
 }
 
@@ -101,7 +112,7 @@ impl Canvas<'_> {
         let visible = self.sunlight(&here, s, t, sun);
         let exaggeration = exaggeration(style, distance_m / view.right[3]);
         let steep = [here.east * exaggeration, here.north * exaggeration];
-        let sea_m = if style.sea == Shore::Grid as u32 { sea_level_m(self.sea_m, s, t) } else { 0.0 };
+        let sea_m = if style.sea == Shore::Grid as u32 { sea_level_m(self.maps.sea_m, s, t) } else { 0.0 };
         let mut colour = ground_colour(style, here.height_m - sea_m, steep, sun, visible);
         if style.overlay == Overlay::Detail as u32 {
             colour = mix(colour, detail_colour((marks & 255) as i32 - 128), 0.45);
@@ -118,9 +129,19 @@ impl Canvas<'_> {
         if self.style.shadow == Shadow::None as u32 {
             return 1.0;
         }
-        let mut relief = PagedRelief::new(*self.pages);
-        let disk_rad = self.view.sun[3];
-        let light = shadow_exact(self.pages.planet, &mut relief, [s, t], here.level_m, here.level, sun, disk_rad);
+        let light = match self.maps.paper {
+            Some(map) if self.style.shadow == Shadow::Paper as u32 => {
+                let unit = 1.0 / (1u64 << (31 - map.m)) as f32;
+                let at = [s as f32 * unit + 0.5, t as f32 * unit + 0.5];
+                let height_m = map.paper_bilinear_m(here.level, at[0], at[1]);
+                map.paper_shadow(at, height_m, here.level, sun, Reading::Meant)
+            }
+            _ => {
+                let mut relief = PagedRelief::new(*self.pages);
+                let disk_rad = self.view.sun[3];
+                shadow_exact(self.pages.planet, &mut relief, [s, t], here.level_m, here.level, sun, disk_rad)
+            }
+        };
         self.fetches = self.fetches.and(Fetches {
             rays: 1,
             heights: light.counts.heights.into(),

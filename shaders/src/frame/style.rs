@@ -25,6 +25,8 @@ pub enum Shadow {
     /// Rays through the pyramid of extremes ([`crate::shadow::exact`]).
     #[default]
     Exact = 1,
+    /// The paper's rays ([`crate::shadow::paper`]), over a plane and on the CPU only: a baseline.
+    Paper = 2,
 }
 
 /// Where land ends and sea begins.

@@ -47,7 +47,7 @@ fn kernels_draw_what_the_twin_draws() {
     let (mut all, mut other) = (0, 0);
     for (name, planet) in [("earth", earth(9)), ("lump", lump(8)), ("plain", plain(9))] {
         let whole = PageSet::whole(&planet);
-        let some = |k, x, y| hash(u64::from(x), u64::from(y), u64::from(k)) % 3 > 0;
+        let some = |k, x, y| !hash(u64::from(x), u64::from(y), u64::from(k)).is_multiple_of(3);
         let some = PageSet::of(&planet, Fault::None, some);
         let views = if planet.plane { Vec::new() } else { hard(&planet) };
         let views = views.into_iter().map(|(_, camera)| camera).chain((0..8).map(|n| random(&planet, n, 31)));

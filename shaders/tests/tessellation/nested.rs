@@ -34,7 +34,7 @@ pub fn orphans(planet: &TestPlanet, pages: &PageSet, camera: Camera, descents: u
             let is = [active(&at), active(&halves[0]), active(&halves[1])];
             found += usize::from(!is[0] && is[1]) + usize::from(!is[0] && is[2]);
             // Past the last active node a few more levels.
-            if is == [false; 3] && hash(n, depth, seed) % 4 == 0 {
+            if is == [false; 3] && hash(n, depth, seed).is_multiple_of(4) {
                 break;
             }
             let both = halves.each_ref().map(|half| covers(half, [s, t]));
@@ -56,7 +56,7 @@ fn active_nodes_have_active_parents() {
     for planet in &planets {
         for (n, pages) in [
             PageSet::whole(planet),
-            PageSet::of(planet, Fault::None, |k, x, y| hash(u64::from(x), u64::from(y), u64::from(k)) % 3 != 0),
+            PageSet::of(planet, Fault::None, |k, x, y| !hash(u64::from(x), u64::from(y), u64::from(k)).is_multiple_of(3)),
         ]
         .iter()
         .enumerate()

@@ -44,9 +44,9 @@ impl Ground {
                 // Patches of 32 x 32 nodes of each kind.
                 match hash(i as u64 / 32, j as u64 / 32, seed) % 8 {
                     0 => most / 3,
-                    1 if (i + j) % 2 == 0 => base + most / 8,
-                    2 if hash(i as u64, j as u64, seed + 1) % 97 == 0 => base + most,
-                    3 if hash(i as u64, j as u64, seed + 1) % 61 == 0 => base - most,
+                    1 if (i + j).is_multiple_of(2) => base + most / 8,
+                    2 if hash(i as u64, j as u64, seed + 1).is_multiple_of(97) => base + most,
+                    3 if hash(i as u64, j as u64, seed + 1).is_multiple_of(61) => base - most,
                     _ => base,
                 }
             }

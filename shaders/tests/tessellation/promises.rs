@@ -89,7 +89,7 @@ fn missing_pages_leave_no_gaps() {
     let planet = earth(10);
     for n in 0..3 {
         let pages = PageSet::of(&planet, Fault::None, |k, x, y| {
-            hash(u64::from(x), u64::from(y), n + 100 * u64::from(k)) % 4 != 0
+            !hash(u64::from(x), u64::from(y), n + 100 * u64::from(k)).is_multiple_of(4)
         });
         for n in 0..4 {
             check(&planet, &pages, &format!("missing {n}"), random(&planet, n, 12), false);

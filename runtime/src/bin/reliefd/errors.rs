@@ -46,6 +46,7 @@ pub fn of_view(error: ViewError) -> ToolError {
         ViewError::Size { .. } => {
             ("a picture has pixels, and no more than the backend can hold", "give another --size")
         }
+        ViewError::Kernel { rule, .. } => (rule, "give --shadow exact"),
         ViewError::Body { given: "plane", .. } => {
             ("a globe has longitudes and latitudes", "give LON,LAT; `relief-bake inspect` shows what the file holds")
         }

@@ -111,6 +111,8 @@ impl SchemeChoice {
 enum ShadowChoice {
     /// Rays to the sun, above the curved body
     Exact,
+    /// The paper's rays, a baseline: planes, on the CPU
+    Paper,
     /// None
     None,
 }
@@ -144,7 +146,10 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     view.uniform(&planet).map_err(of_view)?;
     let settings = settings(args);
     let opened = began.elapsed();
-    let backend = Backend::find(args.backend)?;
+    let backend = match (args.backend, args.shadow) {
+        (BackendChoice::Auto, ShadowChoice::Paper) => Backend::Cpu,
+        (choice, _) => Backend::find(choice)?,
+    };
     let mut renderer = backend.renderer(Arc::clone(&planet), &args.file)?;
     let wait = Duration::from_secs_f64(args.wait);
     let frame = renderer.render_until_complete(&view, &settings, wait).map_err(of_render(&args.file))?;
@@ -197,6 +202,7 @@ fn settings(args: &Args) -> Settings {
     };
     let shadow = match args.shadow {
         ShadowChoice::Exact => Shadow::Exact,
+        ShadowChoice::Paper => Shadow::Paper,
         ShadowChoice::None => Shadow::None,
     };
     Settings { scheme, overlay, shadow, air: args.air, places: false }
