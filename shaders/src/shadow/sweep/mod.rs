@@ -10,7 +10,9 @@
 //! Memory: the nodes, the mask twice, and three floats a row and strip of a band.
 
 mod band;
+mod cast;
 mod disk;
+mod lanes;
 mod slab;
 
 use rayon::prelude::*;
