@@ -6,6 +6,11 @@ use crate::ray::{
     Meridian, Parallel, Ray, ray_bend_m, ray_east_of_m, ray_meridian, ray_north_of_m, ray_parallel, ray_rise_m,
 };
 
+/// Rows beside a pole where a straight way is bent on the map.
+const POLAR_ROWS: u32 = 8;
+/// Parts of the way through one of their cells.
+const POLAR_PARTS: u32 = 8;
+
 /// Rounds of the search for the steepest slope; each squares what is lacking.
 const CELL_ROUNDS: u32 = 6;
 
@@ -20,6 +25,8 @@ pub struct CellPatch {
     corners_m: [f32; 4],
     /// Height of the patch at the ray's start, which it does not shade; 0 in other cells.
     base_m: f32,
+    /// Parts in which the ray's way is as good as straight on the map.
+    parts: u32,
 }
 
 /// The patch of a cell with corners in metres. `first`: the ray starts on it.
@@ -34,6 +41,7 @@ pub fn cell_patch(planet: &Planet, ray: &Ray, cell: Square, corners_m: [f32; 4],
         north: ray_parallel(planet, ray, (cell.y + 1) << shift),
         corners_m: corners_m.map(|m| m - ray.height_m),
         base_m: 0.0,
+        parts: cell_parts(planet, cell),
     };
     if first {
         patch.base_m = cell_above_m(planet, ray, &patch, 0.0);
@@ -60,18 +68,35 @@ fn cell_share(from_m: f32, to_m: f32) -> f32 {
     if width_m > 0.0 { (from_m / width_m).clamp(0.0, 1.0) } else { 0.0 }
 }
 
+fn cell_parts(planet: &Planet, cell: Square) -> u32 {
+    let from_pole = cell.y.min((1 << (planet.m - cell.level)) - 1 - cell.y);
+    if planet.plane == 0 && from_pole < POLAR_ROWS { POLAR_PARTS } else { 1 }
+}
+
 /// The steepest slope (metres above the ray, a metre of distance) at which the patch stands above
 /// the ray between two distances, or `best` if that is steeper.
-///
-/// Along the ray the difference is a quadratic: on a plane exactly, on a body but for terms of the
-/// third order within one cell. Its ratio to the distance is raised by Dinkelbach's method.
 #[must_use]
 #[inline]
 pub fn cell_slope(planet: &Planet, ray: &Ray, patch: &CellPatch, from_m: f32, to_m: f32, best: f32) -> f32 {
+    let part_m = (to_m - from_m) / patch.parts as f32;
+    let mut slope = best;
+    let mut ends = [from_m, cell_above_m(planet, ray, patch, from_m)];
+    for part in 1..=patch.parts {
+        let end_m = if part == patch.parts { to_m } else { from_m + part as f32 * part_m };
+        let middle = cell_above_m(planet, ray, patch, ends[0] + 0.5 * (end_m - ends[0]));
+        let end = cell_above_m(planet, ray, patch, end_m);
+        slope = part_slope([ends[0], end_m], [ends[1], middle, end], slope);
+        ends = [end_m, end];
+    }
+    slope
+}
+
+/// [`cell_slope`] from the heights above the ray at both ends and in the middle. Along the ray the
+/// difference is a quadratic: on a plane exactly, on a body but for terms of the third order. Its
+/// ratio to the distance is raised by Dinkelbach's method.
+#[inline]
+fn part_slope([from_m, to_m]: [f32; 2], [f0, f1, f2]: [f32; 3], best: f32) -> f32 {
     let length_m = to_m - from_m;
-    let f0 = cell_above_m(planet, ray, patch, from_m);
-    let f1 = cell_above_m(planet, ray, patch, from_m + 0.5 * length_m);
-    let f2 = cell_above_m(planet, ray, patch, to_m);
     // f0 + p x + q x^2 for x in 0..=1.
     let p = 4.0 * f1 - 3.0 * f0 - f2;
     let q = 2.0 * (f0 + f2) - 4.0 * f1;

@@ -112,7 +112,7 @@ pub fn shadow_trace<R: Relief>(
                 if below_m > out_rise_m + most * exit.at_m || (below_m > rise_m + most * at_m && at_m >= near_m) {
                     return FAR;
                 }
-                square = square_child(planet, ray, square, at_m);
+                square = square_child(planet, ray, square, at_m, over_pole);
                 leaf = square.level == level;
                 continue;
             }

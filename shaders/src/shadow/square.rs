@@ -99,14 +99,20 @@ pub fn square_exit(planet: &Planet, ray: &Ray, square: Square, at_m: f32, over_p
     }
 }
 
-/// The quarter of a square, one level finer, in which the ray is at a distance.
+/// The quarter of a square, one level finer, in which the ray is at a distance. A ray that keeps to
+/// its meridian is told by that: at a pole it is at all of them.
 #[must_use]
 #[inline]
-pub fn square_child(planet: &Planet, ray: &Ray, square: Square, at_m: f32) -> Square {
+pub fn square_child(planet: &Planet, ray: &Ray, square: Square, at_m: f32, over_pole: bool) -> Square {
     let level = square.level - 1;
     let shift = square_shift(planet, level);
     let [x, y] = [2 * square.x, 2 * square.y];
-    let east = ray_east_of_m(ray_meridian(planet, ray, (x + 1) << shift), at_m) >= 0.0;
+    let kept = (if over_pole { ray.s ^ (1 << 31) } else { ray.s }) >> shift;
+    let east = if ray.east == 0.0 {
+        kept > x
+    } else {
+        ray_east_of_m(ray_meridian(planet, ray, (x + 1) << shift), at_m) >= 0.0
+    };
     let north = ray_north_of_m(ray_parallel(planet, ray, (y + 1) << shift), at_m, ray_bend_m(planet, ray, at_m)) >= 0.0;
     Square { level, x: x + u32::from(east), y: y + u32::from(north) }
 }

@@ -78,7 +78,7 @@ fn shadow_trace(ray: Ray, level: u32, limits: vec2<f32>) -> Trace {
                     trace.slope = FAR;
                     return trace;
                 }
-                square = square_child(ray, square, at_m);
+                square = square_child(ray, square, at_m, over_pole);
                 leaf = square.level == level;
                 continue;
             }

@@ -1,6 +1,8 @@
 // The bilinear patch of a cell against a ray. Twin: src/shadow/cell.rs.
 // use: shadow_square
 
+const POLAR_ROWS: u32 = 8u;
+const POLAR_PARTS: u32 = 8u;
 const CELL_ROUNDS: u32 = 6u;
 
 struct CellPatch {
@@ -11,6 +13,7 @@ struct CellPatch {
     // South-west, south-east, north-west, north-east.
     corners_m: vec4<f32>,
     base_m: f32,
+    parts: u32,
 }
 
 fn cell_patch(ray: Ray, cell: Square, corners_m: vec4<f32>, first: bool) -> CellPatch {
@@ -22,6 +25,7 @@ fn cell_patch(ray: Ray, cell: Square, corners_m: vec4<f32>, first: bool) -> Cell
         ray_parallel(ray, (cell.y + 1u) << shift),
         corners_m - ray.height_m,
         0.0,
+        cell_parts(cell),
     );
     if first {
         patch_.base_m = cell_above_m(ray, patch_, 0.0);
@@ -47,11 +51,33 @@ fn cell_share(from_m: f32, to_m: f32) -> f32 {
     return 0.0;
 }
 
+fn cell_parts(cell: Square) -> u32 {
+    let from_pole = min(cell.y, (1u << (planet.m - cell.level)) - 1u - cell.y);
+    return select(1u, POLAR_PARTS, planet.plane == 0u && from_pole < POLAR_ROWS);
+}
+
 fn cell_slope(ray: Ray, cell: CellPatch, from_m: f32, to_m: f32, best: f32) -> f32 {
+    let part_m = (to_m - from_m) / f32(cell.parts);
+    var slope = best;
+    // Distance, and height above the ray, where the part begins.
+    var begin = vec2(from_m, cell_above_m(ray, cell, from_m));
+    for (var part = 1u; part <= cell.parts; part++) {
+        let end_m = select(from_m + f32(part) * part_m, to_m, part == cell.parts);
+        let middle = cell_above_m(ray, cell, begin.x + 0.5 * (end_m - begin.x));
+        let end = cell_above_m(ray, cell, end_m);
+        slope = part_slope(vec2(begin.x, end_m), vec3(begin.y, middle, end), slope);
+        begin = vec2(end_m, end);
+    }
+    return slope;
+}
+
+fn part_slope(span_m: vec2<f32>, above_m: vec3<f32>, best: f32) -> f32 {
+    let from_m = span_m.x;
+    let to_m = span_m.y;
     let length_m = to_m - from_m;
-    let f0 = cell_above_m(ray, cell, from_m);
-    let f1 = cell_above_m(ray, cell, from_m + 0.5 * length_m);
-    let f2 = cell_above_m(ray, cell, to_m);
+    let f0 = above_m.x;
+    let f1 = above_m.y;
+    let f2 = above_m.z;
     let p = 4.0 * f1 - 3.0 * f0 - f2;
     let q = 2.0 * (f0 + f2) - 4.0 * f1;
     var slope = max(max(best, f0 / from_m), f2 / to_m);

@@ -72,12 +72,16 @@ fn square_exit(ray: Ray, square: Square, at_m: f32, over_pole: bool) -> Exit {
     return Exit(FAR, 0, 0);
 }
 
-fn square_child(ray: Ray, square: Square, at_m: f32) -> Square {
+fn square_child(ray: Ray, square: Square, at_m: f32, over_pole: bool) -> Square {
     let level = square.level - 1u;
     let shift = square_shift(level);
     let x = 2u * square.x;
     let y = 2u * square.y;
-    let east = ray_east_of_m(ray_meridian(ray, (x + 1u) << shift), at_m) >= 0.0;
+    let kept = select(ray.s, ray.s ^ 0x80000000u, over_pole) >> shift;
+    var east = kept > x;
+    if ray.direction.x != 0.0 {
+        east = ray_east_of_m(ray_meridian(ray, (x + 1u) << shift), at_m) >= 0.0;
+    }
     let north = ray_north_of_m(ray_parallel(ray, (y + 1u) << shift), at_m, ray_bend_m(ray, at_m)) >= 0.0;
     return Square(level, x + u32(east), y + u32(north));
 }
