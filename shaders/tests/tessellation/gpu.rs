@@ -236,8 +236,9 @@ fn kernels_draw_what_the_twin_draws() {
         if !planet.plane {
             hard(planet).into_iter().for_each(|(what, camera)| run(&whole, what, camera));
         }
-        let missing =
-            PageSet::of(planet, Fault::None, |k, x, y| !hash(u64::from(x), u64::from(y), u64::from(k)).is_multiple_of(3));
+        let missing = PageSet::of(planet, Fault::None, |k, x, y| {
+            !hash(u64::from(x), u64::from(y), u64::from(k)).is_multiple_of(3)
+        });
         for n in 0..6 {
             run(&whole, &format!("random {n}"), random(planet, n, 31));
             run(&missing, &format!("missing {n}"), random(planet, n, 31));

@@ -56,7 +56,9 @@ fn active_nodes_have_active_parents() {
     for planet in &planets {
         for (n, pages) in [
             PageSet::whole(planet),
-            PageSet::of(planet, Fault::None, |k, x, y| !hash(u64::from(x), u64::from(y), u64::from(k)).is_multiple_of(3)),
+            PageSet::of(planet, Fault::None, |k, x, y| {
+                !hash(u64::from(x), u64::from(y), u64::from(k)).is_multiple_of(3)
+            }),
         ]
         .iter()
         .enumerate()
