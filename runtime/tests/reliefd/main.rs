@@ -7,5 +7,4 @@ mod program;
 mod refused;
 mod render;
 #[path = "../../../tests/support/sample_file.rs"]
-#[allow(dead_code, reason = "shared with the tests of other crates")]
 mod sample_file;

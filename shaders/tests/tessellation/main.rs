@@ -13,6 +13,7 @@ mod gpu;
 mod layouts;
 mod nested;
 mod page_set;
+mod paper;
 mod planet;
 mod promises;
 #[path = "../../../tests/support/sample_file.rs"]

@@ -3,13 +3,13 @@
 use relief_shaders::leb::{Mesh, Params};
 use relief_shaders::paper::{Stats, tessellate};
 
-use super::camera::Camera;
-use super::checks::{position_error, watertight};
 use super::cover::{Errors, look};
-use super::page_set::{Fault, PageSet};
-use super::planet::{Ground, TestPlanet, hash};
-use super::scene::{Scene, places};
-use super::views::{hard, random};
+use crate::camera::Camera;
+use crate::checks::{position_error, watertight};
+use crate::page_set::{Fault, PageSet};
+use crate::planet::{Ground, TestPlanet, hash};
+use crate::scene::{Scene, places};
+use crate::views::{hard, random};
 
 pub fn earth(m: u32) -> TestPlanet {
     TestPlanet::globe(m, 6_378_137.0, 6_356_752.3, 0.5, Ground::Wild { most: 12_000, seed: 1 })

@@ -8,7 +8,7 @@ use relief_shaders::paper::{Control, Patch, passes};
 use relief_shaders::planet::View;
 use wgpu::BufferUsages as Use;
 
-use super::page_set::PageSet;
+use crate::page_set::PageSet;
 
 pub struct Gpu {
     device: wgpu::Device,

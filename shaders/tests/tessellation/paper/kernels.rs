@@ -6,14 +6,14 @@ use relief_shaders::kernels::PAPER_PASS;
 use relief_shaders::leb::{Mesh, Params, ReliefTriangle};
 use relief_shaders::paper::{Control, Patch, tessellate};
 
-use super::camera::Camera;
-use super::checks::watertight;
 use super::gpu::Gpu;
-use super::page_set::{Fault, PageSet};
-use super::planet::{TestPlanet, hash};
 use super::promises::{earth, lump, plain};
-use super::scene::Scene;
-use super::views::{hard, random};
+use crate::camera::Camera;
+use crate::checks::watertight;
+use crate::page_set::{Fault, PageSet};
+use crate::planet::{TestPlanet, hash};
+use crate::scene::Scene;
+use crate::views::{hard, random};
 
 /// Triangles by their bits.
 fn bits(triangles: &[ReliefTriangle]) -> HashSet<[[u32; 4]; 3]> {

@@ -1,20 +1,14 @@
 //! Heights through the GPU path are those of the file.
 
-#![allow(clippy::unwrap_used, reason = "a test ends at the first thing that goes wrong")]
-
-#[path = "../../tests/support/sample_file.rs"]
-mod sample_file;
-mod support;
-
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::sample_file::Sample;
 use relief_formats::body::Body;
 use relief_formats::file::Relief;
 use relief_runtime::gpu::{Atlas, Device, DeviceError, Heights};
 use relief_runtime::planet::Planet;
 use relief_runtime::residency::Resident;
-use sample_file::Sample;
 
 const LONG: Duration = Duration::from_secs(60);
 
@@ -56,8 +50,8 @@ fn places() -> Vec<[u32; 2]> {
 
 #[test]
 fn heights_are_the_files() {
-    let Some(device) = support::device() else { return };
-    let planet = support::planet(&Sample::new(Body::earth(), 10));
+    let Some(device) = crate::support::device() else { return };
+    let planet = crate::support::planet(&Sample::new(Body::earth(), 10));
     let mut resident = resident(&device, &planet);
     let heights = Heights::new(&device).unwrap();
     let places = places();
@@ -73,14 +67,14 @@ fn heights_are_the_files() {
 
 #[test]
 fn a_lost_device_is_an_error_and_the_next_one_works() {
-    let Some(device) = support::device() else { return };
-    let planet = support::planet(&Sample::new(Body::earth(), 8));
+    let Some(device) = crate::support::device() else { return };
+    let planet = crate::support::planet(&Sample::new(Body::earth(), 8));
     let heights = Heights::new(&device).unwrap();
     let mut lost = resident(&device, &planet);
     device.wgpu().destroy();
     let error = heights.at(&mut lost, 0, &[[0, 0]], LONG).unwrap_err();
     assert!(matches!(error, DeviceError::Lost(_)), "{error}");
-    let Some(device) = support::device() else { return };
+    let Some(device) = crate::support::device() else { return };
     let (got, _) = Heights::new(&device).unwrap().at(&mut resident(&device, &planet), 0, &[[0, 0]], LONG).unwrap();
     assert_eq!(got, [-2835.0 / 16.0]);
 }

@@ -7,7 +7,6 @@ use relief_runtime::planet::Planet;
 
 use crate::sample_file::Sample;
 
-#[allow(dead_code, reason = "not every test needs one")]
 /// The device of these tests; none where `RELIEF_NO_GPU=1` says that there is no adapter.
 ///
 /// # Panics
@@ -32,7 +31,6 @@ pub fn planet(sample: &Sample) -> Arc<Planet> {
 }
 
 /// The 32-bit texels of a texture whose rows are a multiple of 256 bytes.
-#[allow(dead_code, reason = "not every test reads textures")]
 pub fn read_words(device: &Device, texture: &wgpu::Texture, [width, height]: [u32; 2]) -> Vec<u32> {
     let buffer = device.wgpu().create_buffer(&wgpu::BufferDescriptor {
         label: None,

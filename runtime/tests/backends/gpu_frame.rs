@@ -1,14 +1,9 @@
 //! Frames of the GPU against those of the twins.
 
-#![allow(clippy::unwrap_used, reason = "a test ends at the first thing that goes wrong")]
-
-#[path = "../../tests/support/sample_file.rs"]
-mod sample_file;
-mod support;
-
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::sample_file::Sample;
 use relief_formats::body::Body;
 use relief_formats::geodesy::lat_deg;
 use relief_runtime::cpu::Cpu;
@@ -17,7 +12,6 @@ use relief_runtime::frame::{Frame, Overlay, Renderer, Scheme, Settings};
 use relief_runtime::gpu::{Device, DeviceError, Gpu, HostTargets};
 use relief_runtime::planet::Planet;
 use relief_runtime::view::{Camera, Sun, View, ViewError};
-use sample_file::Sample;
 
 const LONG: Duration = Duration::from_secs(100);
 /// Of a picture 200 pixels high, 60 degrees.
@@ -73,8 +67,8 @@ fn views() -> Vec<View> {
 
 #[test]
 fn the_gpu_draws_what_the_twins_draw() {
-    let Some(device) = support::device() else { return };
-    let planet = support::planet(&Sample::new(Body::earth(), 10));
+    let Some(device) = crate::support::device() else { return };
+    let planet = crate::support::planet(&Sample::new(Body::earth(), 10));
     let (mut gpu, mut cpu) = (gpu(&device, &planet), Cpu::new(Arc::clone(&planet), ATLAS_BYTES).unwrap());
     let mut frames = Vec::new();
     let adaptive = Settings { places: true, ..Settings::default() };
@@ -108,8 +102,8 @@ fn the_gpu_draws_what_the_twins_draw() {
 
 #[test]
 fn both_backends_give_the_same_mesh() {
-    let Some(device) = support::device() else { return };
-    let planet = support::planet(&Sample::new(Body::moon(), 9));
+    let Some(device) = crate::support::device() else { return };
+    let planet = crate::support::planet(&Sample::new(Body::moon(), 9));
     let (mut gpu, mut cpu) = (gpu(&device, &planet), Cpu::new(Arc::clone(&planet), ATLAS_BYTES).unwrap());
     for scheme in [Scheme::Leb, Scheme::Paper] {
         let settings = Settings { scheme, ..Settings::default() };
@@ -126,8 +120,8 @@ fn both_backends_give_the_same_mesh() {
 
 #[test]
 fn pixels_do_not_depend_on_the_order_of_loading() {
-    let Some(device) = support::device() else { return };
-    let planet = support::planet(&Sample::new(Body::earth(), 11));
+    let Some(device) = crate::support::device() else { return };
+    let planet = crate::support::planet(&Sample::new(Body::earth(), 11));
     let [first, second, third, _] = <[View; 4]>::try_from(views()).unwrap();
     let frame = |gpu: &mut Gpu, view: &View| {
         let frame = gpu.render_until_complete(view, &Settings::default(), LONG).unwrap();
@@ -152,8 +146,8 @@ fn pixels_do_not_depend_on_the_order_of_loading() {
 
 #[test]
 fn views_that_cannot_be_drawn_are_refused_and_others_go_on() {
-    let Some(device) = support::device() else { return };
-    let planet = support::planet(&Sample::new(Body::earth(), 8));
+    let Some(device) = crate::support::device() else { return };
+    let planet = crate::support::planet(&Sample::new(Body::earth(), 8));
     let mut gpu = gpu(&device, &planet);
     let good = views()[0];
     let side = device.wgpu().limits().max_texture_dimension_2d;
@@ -174,21 +168,21 @@ fn views_that_cannot_be_drawn_are_refused_and_others_go_on() {
 
 #[test]
 fn a_lost_device_is_an_error_and_views_on_another_go_on() {
-    let Some(device) = support::device() else { return };
-    let planet = support::planet(&Sample::new(Body::earth(), 8));
+    let Some(device) = crate::support::device() else { return };
+    let planet = crate::support::planet(&Sample::new(Body::earth(), 8));
     let mut lost = gpu(&device, &planet);
     assert!(lost.render(&views()[0], &Settings::default()).is_ok());
     device.wgpu().destroy();
     let error = lost.render(&views()[0], &Settings::default()).unwrap_err();
     assert!(matches!(error, RenderError::Device(DeviceError::Lost(_))), "{error}");
-    let Some(device) = support::device() else { return };
+    let Some(device) = crate::support::device() else { return };
     assert!(gpu(&device, &planet).render(&views()[0], &Settings::default()).is_ok());
 }
 
 #[test]
 fn a_host_gets_the_same_pixels_in_its_own_targets() {
-    let Some(device) = support::device() else { return };
-    let planet = support::planet(&Sample::new(Body::earth(), 10));
+    let Some(device) = crate::support::device() else { return };
+    let planet = crate::support::planet(&Sample::new(Body::earth(), 10));
     // As a host brings it: the device is its own.
     let device = Device::of_host(device.wgpu().clone(), device.queue().clone());
     let mut gpu = gpu(&device, &planet);
@@ -220,7 +214,7 @@ fn a_host_gets_the_same_pixels_in_its_own_targets() {
             gpu.present(&view, &Settings::default(), &host).unwrap();
         }
         // A row of 320 words is aligned as copies need it.
-        let [colours, depths] = [&colour, &depth].map(|t| support::read_words(&device, t, [320, 200]));
+        let [colours, depths] = [&colour, &depth].map(|t| crate::support::read_words(&device, t, [320, 200]));
         for (k, pixel) in expected.colour.iter().enumerate() {
             let found = colours[k].to_le_bytes();
             assert!(pixel.iter().zip(found).all(|(&a, b)| a.abs_diff(b) <= 1), "{k}: {pixel:?} {found:?}");

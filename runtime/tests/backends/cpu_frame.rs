@@ -1,13 +1,8 @@
 //! What a frame of the twins shows, against rays and heights in f64.
 
-#![allow(clippy::unwrap_used, reason = "a test ends at the first thing that goes wrong")]
-
-#[path = "../../tests/support/sample_file.rs"]
-mod sample_file;
-mod support;
-
 use std::time::Duration;
 
+use crate::sample_file::Sample;
 use relief_formats::body::Body;
 use relief_formats::geodesy::{Ellipsoid, lat_deg, lon_deg};
 use relief_formats::grid::Grid;
@@ -16,7 +11,6 @@ use relief_runtime::cpu::Cpu;
 use relief_runtime::frame::{Frame, Renderer, Settings, Shadow};
 use relief_runtime::planet::Planet;
 use relief_runtime::view::{Camera, Sun, View};
-use sample_file::Sample;
 
 const SIZE: [u32; 2] = [160, 120];
 
@@ -91,7 +85,7 @@ fn views() -> Vec<View> {
 
 #[test]
 fn pixels_show_the_surface_where_they_say() {
-    let planet = support::planet(&Sample::new(Body::earth(), 10));
+    let planet = crate::support::planet(&Sample::new(Body::earth(), 10));
     let mut cpu = Cpu::new(planet.clone(), 200 << 20).unwrap();
     let settings = Settings { places: true, ..Settings::default() };
     for (n, view) in views().iter().enumerate() {
@@ -125,7 +119,7 @@ fn rough(body: Body, m: u32) -> Sample {
 
 #[test]
 fn without_time_the_frame_says_what_it_lacks_and_coarser_tiles_stand_in() {
-    let planet = support::planet(&rough(Body::earth(), 11));
+    let planet = crate::support::planet(&rough(Body::earth(), 11));
     let mut cpu = Cpu::new(planet.clone(), 200 << 20).unwrap();
     let settings = Settings { places: true, ..Settings::default() };
     let view = views()[1];
@@ -141,7 +135,7 @@ fn without_time_the_frame_says_what_it_lacks_and_coarser_tiles_stand_in() {
 
 #[test]
 fn shadows_darken_and_count_their_rays() {
-    let planet = support::planet(&rough(Body::moon(), 10));
+    let planet = crate::support::planet(&rough(Body::moon(), 10));
     let mut cpu = Cpu::new(planet, 200 << 20).unwrap();
     // The sun low in the east.
     let view = View { sun: Sun::over(97.0, 0.0).unwrap(), ..views()[0] };
