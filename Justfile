@@ -35,7 +35,7 @@ run *arguments:
 
 # Run reliefd: just view render out/earth.relief --camera 86.9,25.6,120000,0,-35 --out out/view.png
 view *arguments:
-    @cargo run --quiet --release --locked -p relief-runtime --bin reliefd -- {{ arguments }}
+    @cargo run --quiet --release --locked -p reliefd -- {{ arguments }}
 
 # Type-check everything, tests included
 check:
@@ -55,7 +55,7 @@ alias bench := bench-bake
 
 # Measure meshes, shadows and frames beside their peers, write BENCHMARKS-RUNTIME.md and .json
 bench-runtime *arguments:
-    cargo build --release --locked -p relief-tools -p relief-runtime -p relief-shaders -p relief-formats --bins --examples
+    cargo build --release --locked -p relief-tools -p reliefd -p relief-runtime -p relief-shaders -p relief-formats --bins --examples
     {{ python }} tools/bench_runtime.py {{ arguments }}
 
 # Measure the bake against GDAL's own tools, write BENCHMARKS.md and .json: just bench-bake --quick

@@ -56,7 +56,7 @@ if ! command -v cargo >/dev/null; then
 fi
 
 step 'Build relief-bake and reliefd (the first build takes minutes)'
-cargo build --release --locked -p relief-tools -p relief-runtime --bins || fail 'the build failed; the compiler said why above'
+cargo build --release --locked -p relief-tools -p reliefd --bins || fail 'the build failed; the compiler said why above'
 bake=${CARGO_TARGET_DIR:-$root/target}/release/relief-bake
 reliefd=${CARGO_TARGET_DIR:-$root/target}/release/reliefd
 

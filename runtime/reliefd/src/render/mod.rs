@@ -1,6 +1,5 @@
 //! `reliefd render`: one frame, and what belongs to it.
 
-mod mesh;
 mod stats;
 
 use std::path::PathBuf;
@@ -11,16 +10,16 @@ use relief_front::error::ToolError;
 use relief_front::picture::{RgbImage, write_png};
 use relief_front::publish::publish;
 use relief_front::stdout::print;
-use relief_runtime::frame::{Frame, Overlay, Renderer, Scheme, Settings, Shadow};
+use relief_runtime::frame::{Frame, Renderer, Settings};
 use relief_runtime::planet::Planet;
-use relief_runtime::view::{Camera, SUN_RADIUS_DEG, View};
+use relief_runtime::view::View;
 
 use crate::Outcome;
 use crate::backend::{Backend, BackendChoice};
-use crate::errors::{of_render, of_view, open};
-use crate::light::{Light, SunArgs};
+use crate::errors::{of_render, open};
+use crate::glb::glb;
 use crate::output::{check_name, write_grey_png};
-use crate::typed::{CameraArg, SizeArg};
+use crate::view_args::{ShadowChoice, ViewArgs};
 
 /// A frame: adaptive relief, shaded and in the sun's light
 #[derive(Debug, clap::Args)]
@@ -41,35 +40,8 @@ pub struct Args {
     /// The .relief file
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// Where the camera is and which way it looks (a plane: X,Y,HEIGHT,...); degrees and metres
-    #[arg(long, value_name = "LON,LAT,HEIGHT[,HEADING,PITCH,ROLL]", allow_hyphen_values = true)]
-    camera: CameraArg,
-    /// Vertical field of view, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 60.0)]
-    fov: f64,
-    /// Pixels of the picture
-    #[arg(long, value_name = "WxH", default_value = "1920x1080")]
-    size: SizeArg,
     #[command(flatten)]
-    sun: SunArgs,
-    /// Pixels by which the drawn surface may be away from the true one
-    #[arg(long, value_name = "N", default_value_t = 1.0)]
-    pixel_error: f32,
-    /// How relief becomes triangles
-    #[arg(long, value_name = "SCHEME", value_enum, default_value = "leb")]
-    scheme: SchemeChoice,
-    /// How shadows are found
-    #[arg(long, value_name = "KERNEL", value_enum, default_value = "exact")]
-    shadow: ShadowChoice,
-    /// Density of the air that lifts the sun's light, 1 on Earth at sea level
-    #[arg(long, value_name = "N", default_value_t = 0.0)]
-    air: f32,
-    /// Soft edges of shadows: the sun is a disk, not a point
-    #[arg(long)]
-    soft: bool,
-    /// What is drawn over the ground
-    #[arg(long, value_name = "WHAT", value_enum)]
-    overlay: Option<OverlayChoice>,
+    view: ViewArgs,
     /// Where the kernels run
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendChoice,
@@ -90,41 +62,6 @@ pub struct Args {
     stats: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum SchemeChoice {
-    /// Longest-edge bisection: within --pixel-error, everywhere
-    Leb,
-    /// The triangle patches of paper 000: --pixel-error is a wish
-    Paper,
-}
-
-impl SchemeChoice {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Leb => "leb",
-            Self::Paper => "paper",
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum ShadowChoice {
-    /// Rays to the sun, above the curved body
-    Exact,
-    /// The paper's rays, a baseline: planes, on the CPU
-    Paper,
-    /// None
-    None,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum OverlayChoice {
-    /// The triangles' sides
-    Wireframe,
-    /// The triangles' sides and a colour for each level of detail
-    Lod,
-}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -133,20 +70,10 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     check(args)?;
     let began = Instant::now();
     let planet = open(&args.file)?;
-    let camera = camera(&planet, args)?;
-    let light = match args.sun.light(&planet)? {
-        Some(light) => light,
-        None => Light::of_maps(&planet, &camera)?,
-    };
-    let view = View {
-        sun_radius_deg: if args.soft { SUN_RADIUS_DEG } else { 0.0 },
-        pixel_error: args.pixel_error,
-        ..View::new(camera, args.size.0, light.sun)
-    };
-    view.uniform(&planet).map_err(of_view)?;
-    let settings = settings(args);
+    let view = args.view.view(&planet)?;
+    let settings = args.view.settings();
     let opened = began.elapsed();
-    let backend = match (args.backend, args.shadow) {
+    let backend = match (args.backend, args.view.shadow) {
         (BackendChoice::Auto, ShadowChoice::Paper) => Backend::Cpu,
         (choice, _) => Backend::find(choice)?,
     };
@@ -180,34 +107,6 @@ fn check(args: &Args) -> Result<(), ToolError> {
     Ok(())
 }
 
-fn camera(planet: &Planet, args: &Args) -> Result<Camera, ToolError> {
-    let CameraArg { x, y, height_m, turned_deg: [heading, pitch, roll] } = args.camera;
-    let placed = if planet.grid().plane {
-        Camera::over_plane(planet, x, y, height_m)
-    } else {
-        Camera::over_globe(x, y, height_m)
-    };
-    Ok(placed.map_err(of_view)?.looking(heading, pitch, roll).with_fov(args.fov))
-}
-
-fn settings(args: &Args) -> Settings {
-    let scheme = match args.scheme {
-        SchemeChoice::Leb => Scheme::Leb,
-        SchemeChoice::Paper => Scheme::Paper,
-    };
-    let overlay = match args.overlay {
-        None => Overlay::None,
-        Some(OverlayChoice::Wireframe) => Overlay::Wireframe,
-        Some(OverlayChoice::Lod) => Overlay::Detail,
-    };
-    let shadow = match args.shadow {
-        ShadowChoice::Exact => Shadow::Exact,
-        ShadowChoice::Paper => Shadow::Paper,
-        ShadowChoice::None => Shadow::None,
-    };
-    Settings { scheme, overlay, shadow, air: args.air, places: false }
-}
-
 fn write(
     args: &Args,
     planet: &Planet,
@@ -224,7 +123,7 @@ fn write(
         let mut triangles = renderer.mesh(view, settings.scheme).map_err(of_render(&args.file))?;
         // A GPU yields them in any order.
         triangles.sort_unstable_by_key(|corners| corners.map(|corner| (corner.s, corner.t)));
-        let bytes = mesh::glb(planet, &view.camera, &triangles)?;
+        let bytes = glb(planet, &view.camera, &triangles)?;
         publish(path, |out| std::io::Write::write_all(out, &bytes))?;
     }
     Ok(())

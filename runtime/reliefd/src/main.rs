@@ -2,6 +2,7 @@
 
 mod backend;
 mod errors;
+mod glb;
 mod light;
 mod mask;
 mod output;
@@ -9,6 +10,7 @@ mod probe;
 mod render;
 mod report;
 mod typed;
+mod view_args;
 
 use std::process::ExitCode;
 
