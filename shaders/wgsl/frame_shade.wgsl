@@ -1,5 +1,5 @@
 // Shades the pixels that `frame_draw` stored. Twin: src/frame/shade.rs, shade_pixel.
-// use: shade shade_ground shadow sea
+// use: shade shade_ground shade_overlay shadow sea
 
 @group(1) @binding(0) var<uniform> view: View;
 @group(1) @binding(2) var places: texture_2d<u32>;
@@ -51,7 +51,58 @@ fn sun_at(s: u32, t: u32) -> vec3<f32> {
     return sun;
 }
 
-fn shade_ground(place: vec4<u32>, distance_m: f32) -> Shaded {
+// A pixel's line of sight: right and up where it is 1 along the axis, and its length there.
+fn sight(pixel: vec2<u32>) -> vec3<f32> {
+    let x = ((f32(pixel.x) + 0.5) * 2.0 / f32(view.width) - 1.0) * view.tan_x;
+    let y = (1.0 - (f32(pixel.y) + 0.5) * 2.0 / f32(view.height)) * view.tan_y;
+    return vec3(x, y, sqrt(1.0 + x * x + y * y));
+}
+
+// The page that a pixel's height is from; none in the sky and beyond the picture.
+fn page_at(pixel: vec2<u32>) -> u32 {
+    if pixel.x >= view.width || pixel.y >= view.height {
+        return NONE;
+    }
+    let depth = textureLoad(depths, pixel, 0);
+    if depth == 0.0 {
+        return NONE;
+    }
+    let place = textureLoad(places, pixel, 0);
+    let wanted = u32(detail(view, view.forward.w / depth * sight(pixel).z));
+    let level = finest_level(wanted, place.x, place.y);
+    let at = tile_place(level, place.x, place.y);
+    return page_key(level, at.x, at.y);
+}
+
+fn over_pages(pixel: vec2<u32>, place: vec4<u32>, wanted: u32, level: u32) -> vec3<f32> {
+    let at = tile_place(level, place.x, place.y);
+    var colour = page_colour(level, at.x, at.y);
+    if level > wanted {
+        colour = striped(colour, pixel);
+    }
+    let here = page_key(level, at.x, at.y);
+    let beside = vec4(
+        page_at(pixel + vec2(1u, 0u)),
+        page_at(pixel - vec2(1u, 0u)),
+        page_at(pixel + vec2(0u, 1u)),
+        page_at(pixel - vec2(0u, 1u)),
+    );
+    if any((beside != vec4(here)) & (beside != vec4(NONE))) {
+        colour *= 0.1;
+    }
+    return colour;
+}
+
+fn over_error(pixel: vec2<u32>, place: vec4<u32>, point_m: vec3<f32>, distance_m: f32) -> vec3<f32> {
+    let error = drawn_error(view, place.x, place.y, point_m, distance_m);
+    let colour = error_colour(error.px / view.up.w);
+    if error.level > 0u {
+        return striped(colour, pixel);
+    }
+    return colour;
+}
+
+fn shade_ground(pixel: vec2<u32>, place: vec4<u32>, point_m: vec3<f32>, distance_m: f32) -> Shaded {
     let level = detail(view, distance_m);
     let here = ground_between(level, place.x, place.y, metres_per_unit(place.y));
     let sun = sun_at(place.x, place.y);
@@ -62,11 +113,18 @@ fn shade_ground(place: vec4<u32>, distance_m: f32) -> Shaded {
     if style.sea == SEA_GRID {
         sea = sea_level_m(place.x, place.y);
     }
-    var colour = ground_colour(here.height_m - sea, steep, sun, visible);
-    if style.overlay == DETAIL {
+    let light = ground_light(steep, sun, visible);
+    var colour = tint(here.height_m - sea) * light;
+    if style.overlay == PAGES {
+        let pages = over_pages(pixel, place, u32(level), here.level);
+        colour = in_relief(pages, light, ground_light(vec2(0.0, 0.0), sun, 1.0), 0.9);
+    } else if style.overlay == ERROR {
+        let error = over_error(pixel, place, point_m, distance_m);
+        colour = in_relief(error, light, ground_light(vec2(0.0, 0.0), sun, 1.0), 0.5);
+    } else if style.overlay == DETAIL {
         colour = mix(colour, detail_colour(i32(place.z & 255u) - 128), 0.45);
     }
-    if style.overlay != NO_OVERLAY {
+    if style.overlay == WIREFRAME || style.overlay == DETAIL {
         let edge = f32((place.z >> 8u) & 255u) / 32.0;
         colour = mix(vec3(0.01, 0.012, 0.02), colour, 0.25 + 0.75 * smoothstep(0.2, 0.8, edge));
     }
@@ -77,15 +135,15 @@ fn shade_ground(place: vec4<u32>, distance_m: f32) -> Shaded {
 @compute @workgroup_size(8, 8)
 fn shade_pixels(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     if id.x < view.width && id.y < view.height {
-        let x = ((f32(id.x) + 0.5) * 2.0 / f32(view.width) - 1.0) * view.tan_x;
-        let y = (1.0 - (f32(id.y) + 0.5) * 2.0 / f32(view.height)) * view.tan_y;
-        let stretch = sqrt(1.0 + x * x + y * y);
+        let sight = sight(id.xy);
+        let along = view.forward.xyz + view.right.xyz * sight.x + view.up.xyz * sight.y;
         let depth = textureLoad(depths, id.xy, 0);
         var shaded: Shaded;
         if depth == 0.0 {
-            shaded = shade_sky((view.forward.xyz + view.right.xyz * x + view.up.xyz * y) / stretch);
+            shaded = shade_sky(along / sight.z);
         } else {
-            shaded = shade_ground(textureLoad(places, id.xy, 0), view.forward.w / depth * stretch);
+            let axial_m = view.forward.w / depth;
+            shaded = shade_ground(id.xy, textureLoad(places, id.xy, 0), along * axial_m, axial_m * sight.z);
         }
         let pixel = id.y * view.width + id.x;
         colours[pixel] = shaded.colour;

@@ -5,6 +5,7 @@
 
 mod clip;
 pub mod ground;
+pub mod overlay;
 pub mod raster;
 pub mod sea;
 pub mod shade;

@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 
 use super::Places;
-use super::ground::{Ground, detail, ground_between, metres_per_unit};
+use super::ground::{Ground, detail, finest_level, ground_between, metres_per_unit};
+use super::overlay::{drawn_error, error_colour, in_relief, page_colour, striped};
 use super::sea::sea_level_m;
 use super::style::{Overlay, Shadow, Shore, Style};
-use crate::pages::Pages;
+use crate::pages::{NONE, Pages, key};
 use crate::planet::{Planet, View};
 use crate::shadow::pages::PagedRelief;
 use crate::shadow::paper::{PaperMap, Reading};
@@ -70,11 +71,9 @@ pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, maps: Maps<'_>, plac
         .zip(normals.par_chunks_mut(width))
         .enumerate();
     let fetches = rows.map(|(row, ((colours, distances_m), normals))| {
-        let mut canvas = Canvas { pages, view, style, maps, fetches: Fetches::default() };
+        let mut canvas = Canvas { pages, view, style, maps, places, fetches: Fetches::default() };
         for column in 0..width {
-            let at = row * width + column;
-            (colours[column], distances_m[column], normals[column]) =
-                canvas.pixel(column as f32, row as f32, places.depths[at], places.places[at]);
+            (colours[column], distances_m[column], normals[column]) = canvas.pixel([column as u32, row as u32]);
         }
         canvas.fetches
     });
@@ -87,24 +86,82 @@ struct Canvas<'a> {
     view: &'a View,
     style: &'a Style,
     maps: Maps<'a>,
+    places: &'a Places,
     fetches: Fetches,
 }
 
 impl Canvas<'_> {
     /// `shade_pixels`.
-    fn pixel(&mut self, column: f32, row: f32, depth: f32, place: [u32; 3]) -> (u32, f32, u32) {
+    fn pixel(&mut self, pixel: [u32; 2]) -> (u32, f32, u32) {
         let view = self.view;
-        let x = ((column + 0.5) * 2.0 / view.width as f32 - 1.0) * view.tan_x;
-        let y = (1.0 - (row + 0.5) * 2.0 / view.height as f32) * view.tan_y;
-        let stretch = (1.0 + x * x + y * y).sqrt();
+        let [x, y, stretch] = self.sight(pixel);
+        let along: [f32; 3] = std::array::from_fn(|k| view.forward[k] + view.right[k] * x + view.up[k] * y);
+        let (depth, place) = self.drawn(pixel);
         if depth == 0.0 {
-            let ray = std::array::from_fn(|k| (view.forward[k] + view.right[k] * x + view.up[k] * y) / stretch);
+            let ray = along.map(|c| c / stretch);
             return (pack_unorm(to_srgb(sky_colour(self.pages.planet, view, self.style, ray)), 0.0), 0.0, 0);
         }
-        self.shade_ground(place, view.forward[3] / depth * stretch)
+        let axial_m = view.forward[3] / depth;
+        self.shade_ground(pixel, place, along.map(|c| c * axial_m), axial_m * stretch)
     }
 
-    fn shade_ground(&mut self, [s, t, marks]: [u32; 3], distance_m: f32) -> (u32, f32, u32) {
+    fn drawn(&self, [column, row]: [u32; 2]) -> (f32, [u32; 3]) {
+        let at = (row * self.view.width + column) as usize;
+        (self.places.depths[at], self.places.places[at])
+    }
+
+    /// A pixel's line of sight: right and up where it is 1 along the axis, and its length there.
+    fn sight(&self, [column, row]: [u32; 2]) -> [f32; 3] {
+        let view = self.view;
+        let x = ((column as f32 + 0.5) * 2.0 / view.width as f32 - 1.0) * view.tan_x;
+        let y = (1.0 - (row as f32 + 0.5) * 2.0 / view.height as f32) * view.tan_y;
+        [x, y, (1.0 + x * x + y * y).sqrt()]
+    }
+
+    /// The page that a pixel's height is from; none in the sky and beyond the picture.
+    fn page_at(&self, pixel: [u32; 2]) -> u32 {
+        if pixel[0] >= self.view.width || pixel[1] >= self.view.height {
+            return NONE;
+        }
+        let (depth, [s, t, _]) = self.drawn(pixel);
+        if depth == 0.0 {
+            return NONE;
+        }
+        let wanted = detail(self.pages.planet, self.view, self.view.forward[3] / depth * self.sight(pixel)[2]) as u32;
+        let level = finest_level(self.pages, wanted, s, t);
+        let at = self.pages.place(level, s, t);
+        key(level, at.x, at.y)
+    }
+
+    fn over_pages(&self, [column, row]: [u32; 2], [s, t]: [u32; 2], wanted: u32, level: u32) -> [f32; 3] {
+        let at = self.pages.place(level, s, t);
+        let mut colour = page_colour(level, at.x, at.y);
+        if level > wanted {
+            colour = striped(colour, column, row);
+        }
+        let here = key(level, at.x, at.y);
+        let (west, north) = (column.wrapping_sub(1), row.wrapping_sub(1));
+        let beside = [[column + 1, row], [west, row], [column, row + 1], [column, north]];
+        let differs = |page: u32| page != here && page != NONE;
+        if beside.into_iter().any(|pixel| differs(self.page_at(pixel))) {
+            colour = colour.map(|c| c * 0.1);
+        }
+        colour
+    }
+
+    fn over_error(&self, [column, row]: [u32; 2], place: [u32; 2], point_m: [f32; 3], distance_m: f32) -> [f32; 3] {
+        let error = drawn_error(self.pages, self.view, place, point_m, distance_m);
+        let colour = error_colour(error.px / self.view.up[3]);
+        if error.level > 0 { striped(colour, column, row) } else { colour }
+    }
+
+    fn shade_ground(
+        &mut self,
+        pixel: [u32; 2],
+        [s, t, marks]: [u32; 3],
+        point_m: [f32; 3],
+        distance_m: f32,
+    ) -> (u32, f32, u32) {
         let (pages, view, style) = (self.pages, self.view, self.style);
         let level = detail(pages.planet, view, distance_m);
         let here = ground_between(pages, level, s, t, metres_per_unit(pages.planet, t));
@@ -113,11 +170,19 @@ impl Canvas<'_> {
         let exaggeration = exaggeration(style, distance_m / view.right[3]);
         let steep = [here.east * exaggeration, here.north * exaggeration];
         let sea_m = if style.sea == Shore::Grid as u32 { sea_level_m(self.maps.sea_m, s, t) } else { 0.0 };
-        let mut colour = ground_colour(style, here.height_m - sea_m, steep, sun, visible);
-        if style.overlay == Overlay::Detail as u32 {
+        let light = ground_light(style, steep, sun, visible);
+        let tint = tint(style, here.height_m - sea_m);
+        let mut colour = std::array::from_fn(|k| tint[k] * light[k]);
+        if style.overlay == Overlay::Pages as u32 {
+            let pages = self.over_pages(pixel, [s, t], level as u32, here.level);
+            colour = in_relief(pages, light, ground_light(style, [0.0, 0.0], sun, 1.0), 0.9);
+        } else if style.overlay == Overlay::Error as u32 {
+            let error = self.over_error(pixel, [s, t], point_m, distance_m);
+            colour = in_relief(error, light, ground_light(style, [0.0, 0.0], sun, 1.0), 0.5);
+        } else if style.overlay == Overlay::Detail as u32 {
             colour = mix(colour, detail_colour((marks & 255) as i32 - 128), 0.45);
         }
-        if style.overlay != Overlay::None as u32 {
+        if style.overlay == Overlay::Wireframe as u32 || style.overlay == Overlay::Detail as u32 {
             let edge = ((marks >> 8) & 255) as f32 / 32.0;
             colour = mix([0.01, 0.012, 0.02], colour, 0.25 + 0.75 * smoothstep(0.2, 0.8, edge));
         }
@@ -191,16 +256,15 @@ pub fn exaggeration(style: &Style, footprint_m: f32) -> f32 {
     (footprint_m / style.exaggeration_from_m).max(1.0).powf(0.4).clamp(1.0, 8.0)
 }
 
-/// Light on ground of a height (above the sea, where there is one) and slope under a sun (east, north, up).
+/// Light on ground of a slope under a sun (east, north, up).
 #[must_use]
-pub fn ground_colour(style: &Style, height_m: f32, slope: [f32; 2], sun: [f32; 3], visible: f32) -> [f32; 3] {
+pub fn ground_light(style: &Style, slope: [f32; 2], sun: [f32; 3], visible: f32) -> [f32; 3] {
     let normal = normalize([-slope[0], -slope[1], 1.0]);
     let day = smoothstep(-0.03, 0.12, sun[2]);
     let lambert = (normal[0] * sun[0] + normal[1] * sun[1] + normal[2] * sun[2]).max(0.0);
     let direct = lambert * k_shadow(visible, sun[2], style.dark, style.bright) * day;
     let sky = style.ambient * (0.12 + 0.88 * smoothstep(-0.25, 0.25, sun[2])) * (0.5 + 0.5 * normal[2]);
-    let tint = tint(style, height_m);
-    std::array::from_fn(|k| tint[k] * (style.sun_colour[k] * direct + style.shade_colour[k] * sky))
+    std::array::from_fn(|k| style.sun_colour[k] * direct + style.shade_colour[k] * sky)
 }
 
 /// Air before black: thick along the horizon, thinning out with the height of the ray's lowest
@@ -241,7 +305,7 @@ pub fn detail_colour(level: i32) -> [f32; 3] {
     })
 }
 
-fn mix(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
+pub(super) fn mix(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
     std::array::from_fn(|k| a[k] * (1.0 - share) + b[k] * share)
 }
 

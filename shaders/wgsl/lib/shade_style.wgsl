@@ -24,5 +24,7 @@ struct Style {
 const NO_OVERLAY: u32 = 0u;
 const WIREFRAME: u32 = 1u;
 const DETAIL: u32 = 2u;
+const PAGES: u32 = 3u;
+const ERROR: u32 = 4u;
 const NO_SHADOW: u32 = 0u;
 const SEA_GRID: u32 = 2u;
