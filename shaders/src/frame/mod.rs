@@ -5,6 +5,7 @@
 
 mod clip;
 pub mod ground;
+pub mod light;
 pub mod overlay;
 pub mod raster;
 pub mod sea;

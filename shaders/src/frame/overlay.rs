@@ -6,7 +6,7 @@
 //! the triangle would not.
 
 use super::ground::{detail, finest_page};
-use super::shade::mix;
+use super::light::mix;
 use crate::angle::{sin_cos, sin_cos_lat};
 use crate::pages::{Pages, SLOT_MASK};
 use crate::planet::{Planet, View};
@@ -20,15 +20,15 @@ const PAGE_COLOURS: [[f32; 3]; 7] = [
     [0.0, 0.342, 0.171],
     [0.604, 0.191, 0.386],
     [0.871, 0.776, 0.054],
-    [0.665, 0.112, 0.0],
     [0.0, 0.168, 0.445],
+    [0.665, 0.112, 0.0],
 ];
 
 /// Linear light, from no error over half the threshold, the threshold itself and one and a half to
 /// twice the threshold. Blue and red stay apart for the colour-blind, and both darken away from
 /// the threshold.
 const ERROR_COLOURS: [[f32; 3]; 5] =
-    [[0.012, 0.062, 0.33], [0.2, 0.46, 0.8], [0.93, 0.93, 0.92], [0.87, 0.26, 0.11], [0.32, 0.002, 0.012]];
+    [[0.012, 0.062, 0.33], [0.2, 0.46, 0.8], [0.93, 0.93, 0.93], [0.87, 0.26, 0.11], [0.32, 0.002, 0.012]];
 
 /// The ground between stripes, linear light.
 const STRIPE: [f32; 3] = [0.03, 0.03, 0.035];
@@ -60,7 +60,7 @@ pub fn error_colour(share: f32) -> [f32; 3] {
 
 /// Slanting stripes over a picture: marks what is not the page that was wanted.
 #[must_use]
-pub fn striped(colour: [f32; 3], column: u32, row: u32) -> [f32; 3] {
+pub fn striped(colour: [f32; 3], [column, row]: [u32; 2]) -> [f32; 3] {
     if (column + row) % 12 < 4 { mix(colour, STRIPE, 0.72) } else { colour }
 }
 
@@ -103,4 +103,60 @@ pub fn drawn_error(pages: &Pages<'_>, view: &View, [s, t]: [u32; 2], point_m: [f
         + (point_m[1] - true_point_m[1]) * up[1]
         + (point_m[2] - true_point_m[2]) * up[2];
     DrawnError { px: above_m.abs() * view.right[3] / distance_m, level }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::light::to_srgb;
+    use super::*;
+
+    fn bytes(colour: [f32; 3]) -> [i32; 3] {
+        to_srgb(colour).map(|c| (c * 255.0).round() as i32)
+    }
+
+    fn apart(a: [f32; 3], b: [f32; 3]) -> i32 {
+        let (a, b) = (bytes(a), bytes(b));
+        (0..3).map(|k| (a[k] - b[k]).abs()).sum()
+    }
+
+    #[test]
+    fn pages_that_touch_differ() {
+        for level in 0..13 {
+            for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let here = page_colour(level, x, y);
+                for (dx, dy) in [(1, 0), (0, 1), (1, 1)] {
+                    assert!(apart(here, page_colour(level, x + dx, y + dy)) > 20, "{level} {x} {y} {dx} {dy}");
+                }
+                for other in (0..4).map(|k| page_colour(level + 1, k & 1, k >> 1)) {
+                    assert!(apart(here, other) > 100, "{level} {x} {y}");
+                }
+                assert_eq!(apart(here, page_colour(level, x + 2, y + 4)), 0);
+            }
+        }
+    }
+
+    #[test]
+    fn errors_are_blue_below_the_threshold_and_red_above() {
+        for k in 0..=200u8 {
+            let share = f32::from(k) / 100.0;
+            let [red, _, blue] = error_colour(share);
+            assert_eq!((red < blue, red > blue), (k < 100, k > 100), "{share}");
+        }
+        assert_eq!(error_colour(7.0), error_colour(2.0));
+        // Light at the threshold, dark at both ends.
+        let sum = |share: f32| bytes(error_colour(share)).iter().sum::<i32>();
+        assert!(sum(1.0) > 2 * sum(0.0) && sum(1.0) > 2 * sum(2.0));
+    }
+
+    #[test]
+    fn stripes_and_relief_are_seen() {
+        let colour = page_colour(0, 0, 0);
+        let row: Vec<bool> = (0..24).map(|x| striped(colour, [x, 5]) != colour).collect();
+        assert_eq!(row.iter().filter(|&&dark| dark).count(), 8);
+        assert_eq!(striped(colour, [3, 2]), striped(colour, [2, 3]));
+        let light = |k: f32| in_relief(colour, [k, k, k], [0.5; 3], 0.5);
+        assert_eq!(light(0.5), colour);
+        assert!(light(0.4)[2] < colour[2] && light(0.6)[2] > colour[2]);
+        assert!(in_relief(colour, [0.0; 3], [0.0; 3], 1.0).iter().all(|c| c.is_finite()));
+    }
 }

@@ -207,7 +207,7 @@ fn colour(stops: Stops, share: f32) -> [f32; 4] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shade::{tint, to_srgb};
+    use super::super::light::{tint, to_srgb};
     use super::*;
 
     fn bytes(style: &Style, height_m: f32) -> [u8; 3] {

@@ -1,4 +1,4 @@
-// Colours of ground and sky. Twin: src/frame/shade.rs.
+// Light and colours of ground and sky. Twin: src/frame/light.rs.
 // use: planet angle shade_style
 
 fn to_srgb(linear: vec3<f32>) -> vec3<f32> {
