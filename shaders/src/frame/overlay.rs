@@ -86,8 +86,8 @@ fn up_at(planet: &Planet, view: &View, s: u32, t: u32) -> [f32; 3] {
 /// The error at a pixel that shows (S, T) and whose drawn point lies at `point_m` from the camera, in
 /// its frame.
 ///
-/// The page of the level next finer than a pixel's width is asked for: S_0 itself from far away
-/// would be more pages than a picture has pixels.
+/// Asked for is the page one level finer than a pixel: from far away S_0 is more pages than an atlas
+/// holds.
 #[must_use]
 pub fn drawn_error(pages: &Pages<'_>, view: &View, [s, t]: [u32; 2], point_m: [f32; 3], distance_m: f32) -> DrawnError {
     let asked = (detail(pages.planet, view, distance_m) as u32).max(1) - 1;
