@@ -19,8 +19,8 @@ pub enum Acks {
 /// Payloads of pictures that are not whole yet.
 #[derive(Debug, Default)]
 pub(crate) struct Arrivals {
-    /// By camera: the picture's number and how many of its payloads arrived.
-    cameras: BTreeMap<String, (u64, u32)>,
+    /// By camera: the numbers of its pictures and how many of their payloads arrived.
+    cameras: BTreeMap<String, BTreeMap<u64, u32>>,
     /// Acknowledgements to be sent.
     due: Vec<ToServer>,
 }
@@ -28,12 +28,13 @@ pub(crate) struct Arrivals {
 impl Arrivals {
     /// Notes a payload.
     pub(crate) fn arrived(&mut self, header: &Header) {
-        let (seq, parts) = self.cameras.remove(&header.camera).unwrap_or_default();
-        let parts = if seq == header.seq { parts + 1 } else { 1 };
-        if parts >= header.parts {
+        let pictures = self.cameras.entry(header.camera.clone()).or_default();
+        let parts = pictures.entry(header.seq).or_default();
+        *parts += 1;
+        if *parts >= header.parts {
+            // Earlier ones lost a payload on the way through the daemon.
+            pictures.retain(|&seq, _| seq > header.seq);
             self.due.push(ToServer::Ack { camera: header.camera.clone(), seq: header.seq });
-        } else {
-            self.cameras.insert(header.camera.clone(), (header.seq, parts));
         }
     }
 
@@ -81,11 +82,17 @@ mod tests {
         arrivals.arrived(&header("a", 1, 1, 2));
         assert_eq!(arrivals.due(), [ack("a", 1)]);
         assert_eq!(arrivals.due(), []);
-        // A picture of which a part never came does not count for the next.
+        // Payloads of two pictures may come by turns.
         arrivals.arrived(&header("a", 2, 0, 2));
         arrivals.arrived(&header("a", 3, 0, 2));
         assert_eq!(arrivals.due(), []);
-        arrivals.arrived(&header("a", 3, 1, 2));
+        arrivals.arrived(&header("a", 2, 1, 2));
+        assert_eq!(arrivals.due(), [ack("a", 2)]);
+        arrivals.arrived(&header("a", 4, 0, 2));
+        arrivals.arrived(&header("a", 4, 1, 2));
+        assert_eq!(arrivals.due(), [ack("a", 4)]);
+        assert!(arrivals.cameras.values().all(BTreeMap::is_empty), "picture 3 lost a payload");
+        arrivals.arrived(&header("a", 5, 0, 1));
         arrivals.forget("a");
         assert_eq!(arrivals.due(), []);
     }
