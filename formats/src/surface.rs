@@ -44,7 +44,13 @@ impl<'a> Surface<'a> {
     /// The surface of a file, keeping up to `cache_bytes` of decoded samples.
     #[must_use]
     pub fn new(relief: &'a Relief, cache_bytes: u64) -> Self {
-        Self { tiles: Tiles::new(relief, cache_bytes), masks: Cache::new(KEPT_MASKS) }
+        Self::over(Tiles::new(relief, cache_bytes))
+    }
+
+    /// The surface that decoded tiles make up.
+    #[must_use]
+    pub fn over(tiles: Tiles<'a>) -> Self {
+        Self { tiles, masks: Cache::new(KEPT_MASKS) }
     }
 
     /// The file.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use relief_formats::file::FormatError;
+use relief_formats::tile::TileKey;
 use relief_shaders::frame::{self, Maps, Style};
 use relief_shaders::leb::{self, ReliefTriangle};
 use relief_shaders::shadow::dense::Dense;
@@ -116,6 +117,10 @@ impl Renderer for Cpu {
 
     fn update(&mut self, budget: Duration) -> Progress {
         self.resident.update(budget)
+    }
+
+    fn damaged(&self) -> Vec<(TileKey, String)> {
+        self.resident.damaged().map(|(key, error)| (key, error.to_string())).collect()
     }
 }
 

@@ -7,6 +7,7 @@ mod picture;
 use std::time::{Duration, Instant};
 
 use relief_formats::grid::Grid;
+use relief_formats::tile::TileKey;
 use relief_shaders::frame::Style;
 
 use crate::residency::Progress;
@@ -114,6 +115,9 @@ pub trait Renderer {
 
     /// Loads what frames asked for, within a budget.
     fn update(&mut self, budget: Duration) -> Progress;
+
+    /// Tiles that were asked for and cannot be read, each with the reason; coarser ones stand in.
+    fn damaged(&self) -> Vec<(TileKey, String)>;
 
     /// Draws a view until nothing is missing, the time is over, or the atlas is full: then
     /// [`Stats::tiles_missing`] is above 0 and coarser tiles stand in.

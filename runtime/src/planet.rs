@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use relief_formats::body::Body;
 use relief_formats::file::{FormatError, Relief};
-use relief_formats::geodesy::Ellipsoid;
+use relief_formats::geodesy::{Ellipsoid, lat_deg, lon_deg};
 use relief_formats::grid::Grid;
+use relief_formats::surface::Surface;
 use relief_formats::tiles::Tiles;
 use relief_shaders::planet as shared;
 
@@ -35,7 +36,7 @@ pub enum OpenError {
 
 /// An open planet; shared by any number of resident sets and threads.
 pub struct Planet {
-    tiles: Tiles<'static>,
+    surface: Surface<'static>,
     grid: Grid,
     ellipsoid: Option<Ellipsoid>,
     uniform: shared::Planet,
@@ -82,20 +83,26 @@ impl Planet {
             }
             _ => {}
         }
-        let tiles = Tiles::shared(Arc::new(relief), cache_bytes);
-        Ok(Arc::new(Self { tiles, grid, ellipsoid, uniform }))
+        let surface = Surface::over(Tiles::shared(Arc::new(relief), cache_bytes));
+        Ok(Arc::new(Self { surface, grid, ellipsoid, uniform }))
     }
 
     /// The file.
     #[must_use]
     pub fn relief(&self) -> &Relief {
-        self.tiles.relief()
+        self.surface.relief()
     }
 
     /// Its decoded tiles.
     #[must_use]
     pub fn tiles(&self) -> &Tiles<'static> {
-        &self.tiles
+        self.surface.tiles()
+    }
+
+    /// Its heights in f64, from the same decoded tiles.
+    #[must_use]
+    pub fn surface(&self) -> &Surface<'static> {
+        &self.surface
     }
 
     /// Its grid of nodes.
@@ -115,6 +122,26 @@ impl Planet {
     #[must_use]
     pub fn uniform(&self) -> shared::Planet {
         self.uniform
+    }
+
+    /// Longitude and latitude, degrees, of a fixed-point place (a plane: X and Y in its CRS's units).
+    #[must_use]
+    pub fn place_of(&self, [s, t]: [u32; 2]) -> [f64; 2] {
+        match *self.relief().body() {
+            Body::Plane { x0, y0, dx, dy, .. } => {
+                let along = |first: f64, step: f64, cells: u32, v: u32| {
+                    first + step * f64::from(cells) * (f64::from(v) / f64::from(1u32 << 31))
+                };
+                [along(x0, dx, self.grid.width(0), s), along(y0, dy, self.grid.height(0), t)]
+            }
+            Body::Ellipsoid { .. } => [lon_deg(s), lat_deg(t)],
+        }
+    }
+
+    /// Metres in a unit of the CRS of a plane, along X and Y; none for a globe.
+    #[must_use]
+    pub fn metres_per_unit(&self) -> Option<[f64; 2]> {
+        self.grid.plane.then(|| units::metres_per_unit(self.relief().body(), self.grid))
     }
 
     /// Metres between level-0 nodes along a meridian (a plane: northwards).

@@ -11,7 +11,12 @@ use relief_runtime::view::ViewError;
 
 /// Opens a file, or says why not.
 pub fn open(path: &Path) -> Result<std::sync::Arc<Planet>, ToolError> {
-    Planet::open(path).map_err(|error| match error {
+    Planet::open(path).map_err(opened(path))
+}
+
+/// A file that cannot be opened as a planet.
+pub fn opened(path: &Path) -> impl Fn(OpenError) -> ToolError + Copy + '_ {
+    move |error| match error {
         OpenError::File(error) => ToolError::of_file(path)(error),
         OpenError::Range { what, value, rule } => ToolError::source(
             path.display().to_string(),
@@ -19,7 +24,7 @@ pub fn open(path: &Path) -> Result<std::sync::Arc<Planet>, ToolError> {
             format!("a body that can be drawn has {rule}"),
             "bake the file again with the body's semi-axes or the CRS's units in metres",
         ),
-    })
+    }
 }
 
 /// A frame that was not drawn.

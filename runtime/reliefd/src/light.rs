@@ -36,6 +36,11 @@ pub struct Light {
 }
 
 impl SunArgs {
+    /// A sun named by its place, by a time, or not at all.
+    pub fn new(sun: Option<AnglesArg>, time: Option<DateTime<Utc>>) -> Self {
+        Self { sun, time }
+    }
+
     /// The sun over a planet; none where none was asked for.
     pub fn light(&self, planet: &Planet) -> Result<Option<Light>, ToolError> {
         match (self.sun, self.time) {
@@ -43,6 +48,14 @@ impl SunArgs {
             (None, Some(time)) => Light::at(planet, time).map(Some),
             (None, None) => Ok(None),
         }
+    }
+}
+
+/// Whether the sun's place over a planet is known from a time: over the Earth's ellipsoid.
+pub fn has_time(planet: &Planet) -> bool {
+    match planet.relief().body() {
+        Body::Plane { .. } => false,
+        Body::Ellipsoid { a_m, .. } => (a_m - 6_378_137.0).abs() <= 1e3,
     }
 }
 
@@ -65,7 +78,7 @@ impl Light {
         };
         match planet.relief().body() {
             Body::Plane { .. } => refused("a plane", "give --sun AZIMUTH,ELEVATION"),
-            Body::Ellipsoid { name, a_m, .. } if (a_m - 6_378_137.0).abs() > 1e3 => {
+            Body::Ellipsoid { name, .. } if !has_time(planet) => {
                 refused(&format!("the body {name}"), "give the sub-solar point with --sun LON,LAT")
             }
             Body::Ellipsoid { .. } => {

@@ -2,13 +2,14 @@
 
 mod backend;
 mod errors;
-mod glb;
 mod light;
 mod mask;
+mod mesh;
 mod output;
 mod probe;
 mod render;
 mod report;
+mod serve;
 mod typed;
 mod view_args;
 
@@ -33,6 +34,7 @@ enum Command {
     Mask(mask::Args),
     Report(report::Args),
     Probe(probe::Args),
+    Serve(serve::Args),
 }
 
 /// How a command that could run ended.
@@ -50,6 +52,7 @@ fn main() -> ExitCode {
         Command::Mask(args) => mask::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Probe(args) => probe::run(&args),
+        Command::Serve(args) => serve::run(&args),
     };
     match result {
         Ok(Outcome::Good) => ExitCode::SUCCESS,

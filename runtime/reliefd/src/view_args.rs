@@ -88,6 +88,15 @@ impl ViewArgs {
     /// # Errors
     /// A camera, a sun or a number that shows nothing of this planet.
     pub fn view(&self, planet: &Planet) -> Result<View, ToolError> {
+        self.lit_view(planet).map(|(view, _)| view)
+    }
+
+    /// The same, and where its sun stands: sub-solar longitude and latitude, or azimuth and
+    /// elevation, degrees.
+    ///
+    /// # Errors
+    /// As [`Self::view`].
+    pub fn lit_view(&self, planet: &Planet) -> Result<(View, [f64; 2]), ToolError> {
         let CameraArg { x, y, height_m, turned_deg: [heading, pitch, roll] } = self.camera;
         let placed = if planet.grid().plane {
             Camera::over_plane(planet, x, y, height_m)
@@ -105,7 +114,7 @@ impl ViewArgs {
             ..View::new(camera, self.size.0, light.sun)
         };
         view.uniform(planet).map_err(of_view)?;
-        Ok(view)
+        Ok((view, light.angles_deg))
     }
 
     /// How it is drawn.

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use relief_formats::tile::TileKey;
 use relief_shaders::frame::Style;
 use relief_shaders::planet as shared;
 
@@ -234,6 +235,10 @@ impl Renderer for Gpu {
 
     fn update(&mut self, budget: Duration) -> Progress {
         self.resident.update(budget)
+    }
+
+    fn damaged(&self) -> Vec<(TileKey, String)> {
+        self.resident.damaged().map(|(key, error)| (key, error.to_string())).collect()
     }
 
     fn render_until_complete(

@@ -7,6 +7,9 @@ use super::ViewError;
 use super::error::kind;
 use crate::planet::Planet;
 
+/// The narrowest field of view.
+const LEAST_FOV_DEG: f64 = 1e-3;
+
 /// A camera in fixed-point coordinates.
 ///
 /// Heading turns clockwise from north, pitch is 0 at the horizontal and -90 straight down, roll
@@ -88,6 +91,32 @@ impl Camera {
         Self { fov_deg, ..self }
     }
 
+    /// The camera that looks through one pixel of this one's picture: a view of it of 1 x 1 pixels
+    /// shows what that pixel shows. `at` counts pixels from the left and from the top edge; the
+    /// first one's centre lies at 0.5, 0.5.
+    #[must_use]
+    pub fn through(&self, [width, height]: [u32; 2], at: [f64; 2]) -> Self {
+        let (sin_h, cos_h) = sin_cos_deg(self.heading_deg);
+        let (sin_p, cos_p) = sin_cos_deg(self.pitch_deg);
+        let (sin_r, cos_r) = sin_cos_deg(self.roll_deg);
+        let side = 2.0 * (self.fov_deg / 2.0).to_radians().tan() / f64::from(height);
+        let (x, y) = ((at[0] - f64::from(width) / 2.0) * side, (f64::from(height) / 2.0 - at[1]) * side);
+        // East, north, up: forward, and the picture's axes before the roll.
+        let forward = [sin_h * cos_p, cos_h * cos_p, sin_p];
+        let level = [cos_h, -sin_h, 0.0];
+        let upright = [-sin_h * sin_p, -cos_h * sin_p, cos_p];
+        let (right, up) = (x * cos_r + y * sin_r, y * cos_r - x * sin_r);
+        let [east, north, high]: [f64; 3] = std::array::from_fn(|k| forward[k] + right * level[k] + up * upright[k]);
+        Self {
+            heading_deg: east.atan2(north).to_degrees(),
+            pitch_deg: high.atan2(east.hypot(north)).to_degrees(),
+            roll_deg: 0.0,
+            // The pixel's angle: smaller away from the centre, as its side is seen from further off.
+            fov_deg: (2.0 * (side / 2.0 / (1.0 + x * x + y * y).sqrt()).atan().to_degrees()).max(LEAST_FOV_DEG),
+            ..*self
+        }
+    }
+
     pub(super) fn check(&self, planet: &Planet) -> Result<(), ViewError> {
         if self.plane != planet.grid().plane {
             return Err(ViewError::Body { what: "camera", given: kind(self.plane), file: kind(!self.plane) });
@@ -103,7 +132,7 @@ impl Camera {
         number("roll", self.roll_deg, self.roll_deg.abs() <= 1e6, turn)?;
         number("pitch", self.pitch_deg, self.pitch_deg.abs() <= 90.0, "-90 to 90 degrees")?;
         let fov = self.fov_deg;
-        number("field of view", fov, (1e-3..=170.0).contains(&fov), "0.001 to 170 degrees")?;
+        number("field of view", fov, (LEAST_FOV_DEG..=170.0).contains(&fov), "0.001 to 170 degrees")?;
         number("latitude", f64::from(self.t), self.t <= 1 << 31, "at most 2^31 units")?;
         number("easting", f64::from(self.s), !self.plane || self.s <= 1 << 31, "at most 2^31 units")
     }

@@ -1,6 +1,6 @@
 //! Where the light comes from. The sun is infinitely far away.
 
-use relief_formats::geodesy::{Ellipsoid, sin_cos_deg};
+use relief_formats::geodesy::{Ellipsoid, lat_deg, lon_deg, sin_cos_deg};
 
 use super::ViewError;
 use super::camera::Frame;
@@ -36,6 +36,21 @@ impl Sun {
         finite("elevation", elevation_deg, 90.0, "-90 to 90 degrees")?;
         let ((sin_a, cos_a), (sin_e, cos_e)) = (sin_cos_deg(azimuth_deg), sin_cos_deg(elevation_deg));
         Ok(Self::Local([sin_a * cos_e, cos_a * cos_e, sin_e]))
+    }
+
+    /// Azimuth clockwise from north and elevation above the local horizon at a fixed-point place,
+    /// degrees; the sun is infinitely far, and relief and refraction are left out.
+    #[must_use]
+    pub fn azimuth_elevation_deg(&self, [s, t]: [u32; 2]) -> [f64; 2] {
+        let [east, north, up] = match *self {
+            Self::Local(v) => v,
+            Self::Ecef([x, y, z]) => {
+                let ((sin_lon, cos_lon), (sin_lat, cos_lat)) = (sin_cos_deg(lon_deg(s)), sin_cos_deg(lat_deg(t)));
+                let outward = cos_lon * x + sin_lon * y;
+                [cos_lon * y - sin_lon * x, cos_lat * z - sin_lat * outward, cos_lat * outward + sin_lat * z]
+            }
+        };
+        [east.atan2(north).to_degrees().rem_euclid(360.0), up.atan2(east.hypot(north)).to_degrees()]
     }
 
     pub(super) fn check(&self, planet: &Planet) -> Result<(), ViewError> {

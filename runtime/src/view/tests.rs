@@ -44,6 +44,31 @@ fn axes_follow_heading_pitch_and_roll() {
     assert!((view.right[3] - 50.0 / view.tan_y).abs() < 1e-4);
 }
 
+proptest! {
+    /// The ray of a pixel from the axes of the whole picture, against the one of its own camera.
+    #[test]
+    fn a_camera_looks_through_a_pixel(
+        heading in -400.0f64..400.0, pitch in -90.0f64..90.0, roll in -180.0f64..180.0, fov in 1.0f64..150.0,
+        x in 0.0f64..300.0, y in 0.0f64..200.0,
+    ) {
+        let planet = planet(plane());
+        let sun = Sun::at(90.0, 10.0).unwrap();
+        let camera = Camera::over_plane(&planet, 1380.0, 1480.0, 50.0).unwrap().looking(heading, pitch, roll).with_fov(fov);
+        let whole = View::new(camera, [300, 200], sun).uniform(&planet).unwrap();
+        let one = View::new(camera.through([300, 200], [x, y]), [1, 1], sun).uniform(&planet).unwrap();
+        let right = f64::from(whole.tan_x) * (x / 150.0 - 1.0);
+        let up = f64::from(whole.tan_y) * (1.0 - y / 100.0);
+        let ray: [f64; 3] = std::array::from_fn(|k| {
+            f64::from(whole.forward[k]) + right * f64::from(whole.right[k]) + up * f64::from(whole.up[k])
+        });
+        let length = ray[0].hypot(ray[1]).hypot(ray[2]);
+        prop_assert!((0..3).all(|k| (ray[k] / length - f64::from(one.forward[k])).abs() < 1e-6), "{:?} {:?}", ray, one.forward);
+        // As wide as the pixel looks from the camera.
+        let side = 2.0 * f64::from(whole.tan_y) / 200.0 / length;
+        prop_assert!((2.0 * f64::from(one.tan_y) / side - 1.0).abs() < 1e-3 || one.tan_y < 2e-5);
+    }
+}
+
 #[test]
 fn the_sun_stands_in_the_zenith_of_its_place() {
     let planet = planet(Body::earth());
@@ -53,6 +78,21 @@ fn the_sun_stands_in_the_zenith_of_its_place() {
     assert!((0..3).all(|k| (view.sun[k] + view.forward[k]).abs() < 1e-6), "{view:?}");
     let east = View::new(camera, [10, 10], Sun::over(-81.5, 0.0).unwrap()).uniform(&planet).unwrap();
     assert!(near(east.sun, [0.0, 1.0, 0.0]));
+}
+
+#[test]
+fn the_sun_has_azimuth_and_elevation() {
+    use relief_formats::geodesy::{s_from_lon_deg, t_from_lat_deg};
+    let at = |lon: f64, lat: f64| [s_from_lon_deg(lon).unwrap(), t_from_lat_deg(lat).unwrap()];
+    let near = |found: [f64; 2], expected: [f64; 2]| (0..2).all(|k| (found[k] - expected[k]).abs() < 1e-6);
+    // At an equinox: in the east at sunrise, 90 degrees less the latitude high at noon.
+    let sun = Sun::over(0.0, 0.0).unwrap();
+    assert!(near(sun.azimuth_elevation_deg(at(-90.0, 0.0)), [90.0, 0.0]));
+    assert!(near(sun.azimuth_elevation_deg(at(90.0, 0.0)), [270.0, 0.0]));
+    assert!(near(sun.azimuth_elevation_deg(at(0.0, 50.0)), [180.0, 40.0]));
+    assert!(near(sun.azimuth_elevation_deg(at(0.0, -50.0)), [0.0, 40.0]));
+    assert!(sun.azimuth_elevation_deg(at(180.0, 0.0))[1] < -89.9);
+    assert!(near(Sun::at(300.0, 12.5).unwrap().azimuth_elevation_deg([5, 6]), [300.0, 12.5]));
 }
 
 #[test]

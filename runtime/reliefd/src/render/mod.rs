@@ -17,7 +17,7 @@ use relief_runtime::view::View;
 use crate::Outcome;
 use crate::backend::{Backend, BackendChoice};
 use crate::errors::{of_render, open};
-use crate::glb::glb;
+use crate::mesh::glb;
 use crate::output::{check_name, write_grey_png};
 use crate::view_args::{ShadowChoice, ViewArgs};
 

@@ -77,11 +77,7 @@ async fn read(mut session: Session, stream: &UnixStream) -> Option<Fault> {
 }
 
 /// Writes until the last message, or until the viewer takes no more.
-async fn write(
-    stream: &UnixStream,
-    mut receiver: mpsc::Receiver<Out>,
-    mut news: broadcast::Receiver<ToViewer>,
-) {
+async fn write(stream: &UnixStream, mut receiver: mpsc::Receiver<Out>, mut news: broadcast::Receiver<ToViewer>) {
     let mut rings = Rings::default();
     loop {
         let out = tokio::select! {

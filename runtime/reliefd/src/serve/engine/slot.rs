@@ -1,0 +1,196 @@
+//! A camera as the engine sees it: the latest view that was asked for, and what became of it.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use relief_protocol::MOST_UNACKNOWLEDGED;
+use relief_protocol::error::Fault;
+use relief_protocol::view::View;
+
+use super::picture::Picture;
+
+/// Who gets the pictures of a slot; called on the engine's thread, so it hands work on.
+pub type Sink = Arc<dyn Fn(Result<Picture, Fault>) + Send + Sync>;
+
+/// A view that was asked for.
+#[derive(Clone)]
+pub struct Ask {
+    /// The asker's number for it.
+    pub view: u64,
+    /// What is looked at.
+    pub what: Arc<View>,
+    /// Also the triangles.
+    pub mesh: bool,
+    /// Also the places that pixels show.
+    pub places: bool,
+    /// When it was asked.
+    pub arrived: Instant,
+    /// None: pictures follow as tiles come in. Else one picture, once nothing is missing or at this time.
+    pub until: Option<Instant>,
+}
+
+/// A camera.
+pub(super) struct Slot {
+    /// Whose it is; clients take turns.
+    pub client: u64,
+    pub sink: Sink,
+    ask: Option<Ask>,
+    /// The ask was not drawn yet.
+    fresh: bool,
+    /// The last picture lacked tiles; the number of loads by then.
+    lacking: Option<Loads>,
+    sent: u64,
+    acknowledged: u64,
+    /// A picture is being drawn or handed over.
+    busy: bool,
+    /// When it was drawn last, counted in draws of all slots.
+    pub drawn: u64,
+}
+
+/// How often tiles came in, and how often nothing was left to come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Loads {
+    pub some: u64,
+    pub all: u64,
+}
+
+impl Slot {
+    pub fn new(client: u64, sink: Sink) -> Self {
+        Self { client, sink, ask: None, fresh: false, lacking: None, sent: 0, acknowledged: 0, busy: false, drawn: 0 }
+    }
+
+    /// The latest view wins.
+    pub fn ask(&mut self, ask: Ask) {
+        self.ask = Some(ask);
+        self.fresh = true;
+    }
+
+    /// The same view again, as after a new file.
+    pub fn again(&mut self) {
+        self.fresh = self.ask.is_some();
+    }
+
+    pub fn acknowledge(&mut self, seq: u64) {
+        self.acknowledged = self.acknowledged.max(seq.min(self.sent));
+    }
+
+    pub fn is_ready(&self, loads: Loads, now: Instant) -> bool {
+        let Some(ask) = &self.ask else { return false };
+        if self.busy || self.sent - self.acknowledged >= MOST_UNACKNOWLEDGED {
+            return false;
+        }
+        let better = self.lacking.is_some_and(|then| match ask.until {
+            None => then.some != loads.some,
+            Some(until) => then.all != loads.all || until <= now,
+        });
+        self.fresh || better
+    }
+
+    /// Takes the view to be drawn, and its picture's number.
+    pub fn start(&mut self, draws: u64) -> Option<(Ask, u64)> {
+        let ask = self.ask.clone()?;
+        self.busy = true;
+        self.fresh = false;
+        self.drawn = draws;
+        Some((ask, self.sent + 1))
+    }
+
+    /// A picture was drawn: lacking tiles or not, sent or kept back.
+    pub fn drawn(&mut self, lacking: Option<Loads>, sent: bool) {
+        self.lacking = lacking;
+        self.sent += u64::from(sent);
+        // What was kept back is not handed over.
+        self.busy = sent;
+    }
+
+    /// The picture was handed over.
+    pub fn free(&mut self) {
+        self.busy = false;
+    }
+
+    /// The view cannot be drawn, or its one picture is done.
+    pub fn forget(&mut self) {
+        if !self.fresh {
+            self.ask = None;
+        }
+        self.lacking = None;
+        self.busy = false;
+    }
+
+    /// A time at which it is ready whatever comes.
+    pub fn due(&self) -> Option<Instant> {
+        self.lacking.and(self.ask.as_ref()).and_then(|ask| ask.until)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn ask(view: u64, until: Option<Instant>) -> Ask {
+        Ask {
+            view,
+            what: Arc::new(View::down([0.0; 3], [1, 1])),
+            mesh: false,
+            places: false,
+            arrived: Instant::now(),
+            until,
+        }
+    }
+
+    fn slot() -> Slot {
+        Slot::new(1, Arc::new(|_| ()))
+    }
+
+    #[test]
+    fn the_latest_view_wins() {
+        let (mut slot, now, loads) = (slot(), Instant::now(), Loads::default());
+        assert!(!slot.is_ready(loads, now));
+        slot.ask(ask(1, None));
+        slot.ask(ask(2, None));
+        assert_eq!(slot.start(1).map(|(ask, seq)| (ask.view, seq)), Some((2, 1)));
+        assert!(!slot.is_ready(loads, now), "it is being drawn");
+        slot.ask(ask(3, None));
+        slot.drawn(None, true);
+        slot.free();
+        assert_eq!(slot.start(2).map(|(ask, seq)| (ask.view, seq)), Some((3, 2)));
+    }
+
+    #[test]
+    fn who_acknowledges_nothing_waits() {
+        let (mut slot, now, loads) = (slot(), Instant::now(), Loads::default());
+        for k in 0..MOST_UNACKNOWLEDGED {
+            slot.ask(ask(k, None));
+            assert!(slot.is_ready(loads, now));
+            slot.start(k);
+            slot.drawn(None, true);
+            slot.free();
+        }
+        slot.ask(ask(9, None));
+        assert!(!slot.is_ready(loads, now));
+        slot.acknowledge(1);
+        assert!(slot.is_ready(loads, now));
+        // A number that was never sent does not buy more.
+        slot.acknowledge(1_000_000);
+        assert_eq!(slot.acknowledged, MOST_UNACKNOWLEDGED);
+    }
+
+    #[test]
+    fn pictures_follow_while_tiles_come_in() {
+        let (mut slot, now) = (slot(), Instant::now());
+        let loads = |some, all| Loads { some, all };
+        slot.ask(ask(1, None));
+        slot.start(1);
+        slot.drawn(Some(loads(5, 2)), true);
+        slot.free();
+        assert!(!slot.is_ready(loads(5, 2), now));
+        assert!(slot.is_ready(loads(6, 2), now));
+        // One picture only: not before all tiles have come, or the time.
+        slot.ask(ask(2, Some(now + Duration::from_secs(9))));
+        slot.start(2);
+        slot.drawn(Some(loads(6, 2)), false);
+        assert!(!slot.is_ready(loads(7, 2), now));
+        assert!(slot.is_ready(loads(7, 3), now) && slot.is_ready(loads(7, 2), now + Duration::from_secs(9)));
+    }
+}

@@ -1,0 +1,218 @@
+//! The engine's thread.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use relief_protocol::error::{Code, Fault};
+use relief_protocol::payload::Stats;
+use relief_runtime::frame::{self, RenderError};
+use relief_runtime::gpu::DeviceError;
+use relief_runtime::planet::Planet;
+
+use super::board::{Board, Next};
+use super::drawer::Drawer;
+use super::picture::{Hold, Picture};
+use super::slot::{Ask, Sink};
+use super::{Limits, Listener};
+use crate::backend::{Backend, BackendChoice};
+use crate::serve::ask::{Asked, asked, of_draw};
+
+/// Waits between attempts to make a lost device anew.
+const RETRIES: [Duration; 4] =
+    [Duration::ZERO, Duration::from_millis(200), Duration::from_secs(1), Duration::from_secs(5)];
+
+pub(super) struct Worker {
+    board: Arc<Board>,
+    planet: Arc<Planet>,
+    drawer: Drawer,
+    limits: Limits,
+    listener: Box<dyn Listener>,
+    backend: Backend,
+    /// Damaged tiles that were told of.
+    damaged: usize,
+}
+
+impl Worker {
+    pub fn new(
+        board: Arc<Board>,
+        planet: Arc<Planet>,
+        backend: Backend,
+        limits: Limits,
+        listener: Box<dyn Listener>,
+    ) -> Result<Self, RenderError> {
+        let drawer = Drawer::new(&backend, &planet, limits.atlas_bytes)?;
+        Ok(Self { board, planet, drawer, limits, listener, backend, damaged: 0 })
+    }
+
+    pub fn run(mut self) {
+        loop {
+            match self.board.next() {
+                Next::Draw { slot, ask, seq, sink } => self.draw(slot, &ask, seq, &sink),
+                Next::Run(task) => task(&mut self.drawer),
+                Next::Load => self.load(),
+                Next::Replace(planet) => self.replace(planet),
+                Next::Stop => return,
+            }
+        }
+    }
+
+    fn draw(&mut self, slot: u64, ask: &Ask, seq: u64, sink: &Sink) {
+        let began = Instant::now();
+        match self.picture(slot, ask, seq, began) {
+            Ok(Some(picture)) => {
+                self.listener.drew(&picture);
+                sink(Ok(picture));
+            }
+            // Kept back until its tiles are there.
+            Ok(None) => {}
+            Err(Failed::Device(error)) => {
+                let recovered = self.recover(&error);
+                self.board.handed_over(slot);
+                if !recovered {
+                    self.board.forget(slot);
+                    sink(Err(of_draw(error.into()).at(ask.view)));
+                }
+            }
+            Err(Failed::View(fault)) => {
+                self.board.forget(slot);
+                sink(Err(fault.at(ask.view)));
+            }
+        }
+    }
+
+    fn picture(&mut self, slot: u64, ask: &Ask, seq: u64, began: Instant) -> Result<Option<Picture>, Failed> {
+        let Asked { view, settings, sun_deg } = asked(&ask.what, &self.planet)?;
+        let settings = frame::Settings { places: ask.places, ..settings };
+        let frame = self.drawer.render(&view, &settings)?;
+        let mesh = match ask.mesh {
+            true => Some(self.drawer.mesh(&view, settings.scheme)?),
+            false => None,
+        };
+        let stats = stats(&frame.stats, ask, began);
+        let complete = frame.stats.tiles_missing == 0;
+        if !self.board.drawn(slot, ask.until, frame.stats.tiles_missing) {
+            return Ok(None);
+        }
+        let hold = Hold { board: Arc::clone(&self.board), slot };
+        let planet = Arc::clone(&self.planet);
+        Ok(Some(Picture { number: ask.view, seq, planet, view, sun_deg, frame, mesh, complete, stats, _hold: hold }))
+    }
+
+    fn load(&mut self) {
+        let progress = self.drawer.update(self.limits.time_budget);
+        self.board.loaded(&progress);
+        self.listener.loaded(progress.resident, progress.loaded);
+        let damaged = self.drawer.damaged();
+        if damaged.len() > self.damaged {
+            self.damaged = damaged.len();
+            if let Some((_, error)) = damaged.last() {
+                self.listener.fault(Fault::new(
+                    Code::Damaged,
+                    format!("{} damaged tiles, such as: {error}", damaged.len()),
+                    "every tile of a file is as it was published",
+                    "coarser tiles stand in; whoever runs the daemon copies or bakes the file again",
+                ));
+            }
+        }
+    }
+
+    fn replace(&mut self, planet: Arc<Planet>) {
+        match Drawer::new(&self.backend, &planet, self.limits.atlas_bytes) {
+            Ok(drawer) => {
+                self.drawer = drawer;
+                self.planet = planet;
+                self.damaged = 0;
+                self.listener.replaced(&self.planet);
+                self.board.again();
+            }
+            Err(error) => {
+                let fault = of_draw(error);
+                self.listener.fault(Fault::new(
+                    fault.code,
+                    format!("the replaced file cannot be shown: {}", fault.what),
+                    fault.rule,
+                    "the file before it is still shown; bake the new one again",
+                ));
+            }
+        }
+    }
+
+    /// Makes device and tiles anew; without a GPU that works, all cores draw if they may. True when
+    /// all views are about to be drawn again.
+    fn recover(&mut self, error: &DeviceError) -> bool {
+        self.listener.fault(Fault::new(
+            Code::Device,
+            error.to_string(),
+            "drawing needs a GPU that works",
+            "wait: the daemon makes the device anew, and pictures follow",
+        ));
+        for wait in RETRIES {
+            std::thread::sleep(wait);
+            if self.renew(self.limits.backend).is_ok() {
+                return true;
+            }
+        }
+        // The twins have no device to lose.
+        self.limits.backend == BackendChoice::Auto && self.renew(BackendChoice::Cpu).is_ok()
+    }
+
+    fn renew(&mut self, choice: BackendChoice) -> Result<(), Fault> {
+        let backend = match (choice, &self.backend) {
+            (BackendChoice::Cpu, _) => Backend::Cpu,
+            // A software adapter that was asked for is one again.
+            (BackendChoice::Auto, Backend::Gpu(_)) => find(BackendChoice::Gpu)?,
+            (choice, _) => find(choice)?,
+        };
+        self.drawer = Drawer::new(&backend, &self.planet, self.limits.atlas_bytes).map_err(of_draw)?;
+        self.backend = backend;
+        self.board.again();
+        Ok(())
+    }
+}
+
+fn find(choice: BackendChoice) -> Result<Backend, Fault> {
+    Backend::find(choice).map_err(|error| crate::serve::ask::of_tool(Code::Device, &error))
+}
+
+/// Why no picture came about.
+enum Failed {
+    /// The viewer's part, or the device's refusal of this one view.
+    View(Fault),
+    /// The device is of no use any more.
+    Device(DeviceError),
+}
+
+impl From<Fault> for Failed {
+    fn from(fault: Fault) -> Self {
+        Self::View(fault)
+    }
+}
+
+impl From<RenderError> for Failed {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Device(
+                error @ (DeviceError::Lost(_) | DeviceError::NoAdapter(_) | DeviceError::NoDevice { .. }),
+            ) => Self::Device(error),
+            error => Self::View(of_draw(error)),
+        }
+    }
+}
+
+fn stats(stats: &frame::Stats, ask: &Ask, began: Instant) -> Stats {
+    let ms = |time: Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
+    let fetches = stats.fetches;
+    let passes: BTreeMap<String, f64> =
+        stats.pass_ms.iter().map(|&(name, ms)| (name.to_owned(), (ms * 1e3).round() / 1e3)).collect();
+    Stats {
+        triangles: stats.triangles,
+        tiles_resident: stats.tiles_resident as u64,
+        tiles_missing: stats.tiles_missing as u64,
+        draw_ms: ms(began.elapsed()),
+        wait_ms: ms(began.saturating_duration_since(ask.arrived)),
+        pass_ms: passes,
+        fetches_per_ray: (fetches.rays > 0).then(|| (fetches.heights + fetches.extremes) as f64 / fetches.rays as f64),
+        holes: stats.overflow,
+    }
+}
