@@ -73,6 +73,14 @@ impl Wire for WebSocketWire {
     }
 }
 
+impl Drop for WebSocketWire {
+    fn drop(&mut self) {
+        // The daemon need not be there any longer.
+        let _ = self.socket.close(None);
+        let _ = self.socket.flush();
+    }
+}
+
 /// Host and port, and what to ask for there.
 fn target(address: &str) -> Result<(String, Uri), AttachError> {
     let bad = |what: &str| AttachError::Address { given: address.into(), what: what.into() };
