@@ -31,11 +31,15 @@ export class Instruments {
     $('scale').style.setProperty('--bar', `${(length_m * metre_px).toFixed(1)}px`);
   }
 
+  spacing(spacing_m) {
+    return spacing_m < 1000 ? metres(spacing_m, 1) : `${(spacing_m / 1000).toFixed(1)} km`;
+  }
+
   attribute() {
     const { planet } = this.state;
     const name = planet.plane ? planet.name : planet.body || planet.name;
     const said = name.charAt(0).toUpperCase() + name.slice(1);
-    $('attribution').textContent = `${said} · ${metres(planet.spacing_m, 1)} between nodes · ${planet.backend}`;
+    $('attribution').textContent = `${said} · ${this.spacing(planet.spacing_m)} between nodes · ${planet.backend}`;
     document.title = `${said} · relief`;
   }
 }

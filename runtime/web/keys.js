@@ -20,7 +20,8 @@ export class Keys {
   }
 
   press(event) {
-    const typing = event.target.closest?.('input, select, textarea, dialog[open]');
+    const field = event.target.closest?.('input, select, textarea, dialog[open]');
+    const typing = field && event.key !== 'Escape';
     if (event.ctrlKey || event.metaKey || event.altKey || typing) return;
     // Sections and choices keep the keys that they understand.
     const understood = event.target.closest?.('[role=radiogroup]') && event.key.startsWith('Arrow');

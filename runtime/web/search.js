@@ -17,6 +17,7 @@ export class Search {
     };
     field.onkeydown = (event) => {
       if (event.key === 'Escape') {
+        event.stopPropagation();
         this.clear();
         $('view').focus();
       }

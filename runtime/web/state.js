@@ -127,5 +127,8 @@ function home(planet, body) {
     const height_m = planet.max_m + 0.5 * body.extent_m;
     return { x, y: Math.max(y - back, body.south), height_m, heading_deg: 0, pitch_deg: -45 };
   }
-  return { x, y, height_m: 0.75 * body.extent_m, heading_deg: 0, pitch_deg: -90 };
+  // As far as the narrower side of the window needs.
+  const wide = Math.max(1, innerHeight / innerWidth);
+  const height_m = Math.min(0.75 * body.extent_m * wide, body.highest_m);
+  return { x, y, height_m, heading_deg: 0, pitch_deg: -90 };
 }
