@@ -33,7 +33,7 @@ pub async fn serve(hub: Arc<Hub>, stream: UnixStream) {
     let news = hub.news();
     // Who may open the socket needs no token.
     let session = Session::new(Arc::clone(&hub), seat, outbox.clone(), true);
-    let mut writing = std::pin::pin!(write(&stream, receiver, news));
+    let mut writing = std::pin::pin!(write(&stream, receiver, news, SEND));
     let last = tokio::select! {
         last = read(session, &stream) => last,
         () = &mut writing => return tracing::info!(viewer, "detached: it does not read, or is gone"),
@@ -76,8 +76,13 @@ async fn read(mut session: Session, stream: &UnixStream) -> Option<Fault> {
     }
 }
 
-/// Writes until the last message, or until the viewer takes no more.
-async fn write(stream: &UnixStream, mut receiver: mpsc::Receiver<Out>, mut news: broadcast::Receiver<ToViewer>) {
+/// Writes until the last message, or until the viewer does not take one within `patience`.
+async fn write(
+    stream: &UnixStream,
+    mut receiver: mpsc::Receiver<Out>,
+    mut news: broadcast::Receiver<ToViewer>,
+    patience: Duration,
+) {
     let mut rings = Rings::default();
     loop {
         let out = tokio::select! {
@@ -92,7 +97,7 @@ async fn write(stream: &UnixStream, mut receiver: mpsc::Receiver<Out>, mut news:
         };
         let Some(out) = out else { return };
         let last = matches!(out, Out::End(_));
-        let sent = timeout(SEND, put(stream, &mut rings, out)).await;
+        let sent = timeout(patience, put(stream, &mut rings, out)).await;
         if last || !matches!(sent, Ok(Ok(()))) {
             return;
         }
@@ -128,4 +133,24 @@ async fn put(stream: &UnixStream, rings: &mut Rings, out: Out) -> std::io::Resul
 
 fn silence() -> Fault {
     Fault::new(Code::Timeout, "silence", "a viewer says hello within 10 seconds", "attach again").fatal()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_viewer_that_does_not_read_is_given_up() {
+        let (ours, theirs) = UnixStream::pair().unwrap();
+        let (outbox, receiver) = outbox();
+        let (_teller, news) = broadcast::channel(1);
+        let talking = async {
+            // The daemon's buffer and the system's: more than both hold.
+            while outbox.tell(ToViewer::Bye { reason: "x".repeat(60_000) }).await.is_ok() {}
+        };
+        let writing = write(&ours, receiver, news, Duration::from_millis(50));
+        timeout(Duration::from_secs(20), async { tokio::join!(talking, writing) }).await.unwrap();
+        drop(theirs);
+    }
 }
