@@ -9,6 +9,7 @@ mod hub;
 #[cfg(target_os = "linux")]
 mod local;
 mod meters;
+mod patience;
 mod session;
 
 use std::net::SocketAddr;
@@ -39,6 +40,8 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
+        // They pack pictures; more than these would only hold more of them.
+        .max_blocking_threads(64)
         .build()
         .map_err(|error| cannot("start its threads", &error))?;
     let hub = Arc::new(hub(args)?);

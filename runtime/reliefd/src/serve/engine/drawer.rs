@@ -3,10 +3,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use relief_formats::file::FormatError;
 use relief_formats::tile::TileKey;
 use relief_runtime::cpu::Cpu;
 use relief_runtime::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings};
-use relief_runtime::gpu::Gpu;
+use relief_runtime::gpu::{DeviceError, Gpu};
 use relief_runtime::planet::Planet;
 use relief_runtime::residency::Progress;
 use relief_runtime::view::View;
@@ -63,8 +64,50 @@ impl Drawer {
         self.renderer().update(budget)
     }
 
-    /// See [`Renderer::damaged`].
-    pub fn damaged(&mut self) -> Vec<(TileKey, String)> {
-        self.renderer().damaged()
+    /// Pages that the last picture lacked; see `Resident::lacked`.
+    pub fn lacked(&self) -> Vec<u32> {
+        match self {
+            Self::Gpu(gpu) => gpu.resident().lacked().to_vec(),
+            Self::Cpu(cpu) => cpu.resident().lacked().to_vec(),
+        }
+    }
+
+    /// Asks for pages again that an earlier picture lacked.
+    pub fn ask(&mut self, pages: &[u32]) {
+        let pages = pages.iter().copied();
+        match self {
+            Self::Gpu(gpu) => gpu.resident_mut().ask(pages),
+            Self::Cpu(cpu) => cpu.resident_mut().ask(pages),
+        };
+    }
+
+    /// How many of these pages are still to come.
+    pub fn still_lacks(&self, pages: &[u32]) -> usize {
+        match self {
+            Self::Gpu(gpu) => gpu.resident().still_lacks(pages),
+            Self::Cpu(cpu) => cpu.resident().still_lacks(pages),
+        }
+    }
+
+    /// Tiles that cannot be read: how many, and why one of them.
+    pub fn damaged(&self) -> (usize, Option<String>) {
+        fn of<'a>(tiles: impl Iterator<Item = (TileKey, &'a FormatError)>) -> (usize, Option<String>) {
+            tiles.fold((0, None), |(count, said), (_, error)| (count + 1, said.or_else(|| Some(error.to_string()))))
+        }
+        match self {
+            Self::Gpu(gpu) => of(gpu.resident().damaged()),
+            Self::Cpu(cpu) => of(cpu.resident().damaged()),
+        }
+    }
+
+    /// What went wrong with the device outside any call; nothing can be drawn with it any more.
+    ///
+    /// # Errors
+    /// See `Device::check`.
+    pub fn check(&self) -> Result<(), DeviceError> {
+        match self {
+            Self::Gpu(gpu) => gpu.device().check(),
+            Self::Cpu(_) => Ok(()),
+        }
     }
 }
