@@ -9,13 +9,14 @@ mod hub;
 mod meters;
 mod patience;
 mod session;
+mod truncated;
+mod watch;
 
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use relief_formats::file::Relief;
 use relief_front::error::ToolError;
 use relief_front::stdout::print;
 use relief_runtime::planet::Planet;
@@ -75,7 +76,7 @@ fn hub(args: &Args) -> Result<Hub, ToolError> {
 }
 
 fn open(path: &Path, cache_bytes: u64) -> Result<Arc<Planet>, ToolError> {
-    let relief = Relief::open(path).map_err(ToolError::of_file(path))?;
+    let relief = truncated::open(path).map_err(ToolError::of_file(path))?;
     Planet::new(relief, cache_bytes).map_err(opened(path))
 }
 
@@ -97,6 +98,7 @@ async fn serve(args: &Args, hub: Arc<Hub>) -> Result<(), ToolError> {
     })?;
     let address = listener.local_addr().map_err(|error| cannot("read its own address", &error))?;
     print(&format!("http://{address}/\n"))?;
+    tokio::spawn(watch::watch(Arc::clone(&hub)));
     axum::serve(listener, http::router(hub))
         .with_graceful_shutdown(async {
             // Without a handler for it there is nothing to wait for.
