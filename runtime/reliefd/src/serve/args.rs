@@ -22,6 +22,10 @@ pub struct Args {
     /// Where to listen; `auto` takes a free port of this machine
     #[arg(long, value_name = "ADDRESS:PORT|auto", default_value = "127.0.0.1:7878")]
     pub listen: String,
+    /// A Unix socket for viewers on this machine, who get their pictures in shared memory; only its owner may open it
+    #[cfg(target_os = "linux")]
+    #[arg(long, value_name = "PATH")]
+    pub unix: Option<PathBuf>,
     /// A file whose first line viewers must show as their token
     #[arg(long, value_name = "FILE")]
     pub token_file: Option<PathBuf>,

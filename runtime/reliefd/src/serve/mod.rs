@@ -6,6 +6,8 @@ mod engine;
 mod heights;
 mod http;
 mod hub;
+#[cfg(target_os = "linux")]
+mod local;
 mod meters;
 mod patience;
 mod session;
@@ -97,15 +99,35 @@ async fn serve(args: &Args, hub: Arc<Hub>) -> Result<(), ToolError> {
         )
     })?;
     let address = listener.local_addr().map_err(|error| cannot("read its own address", &error))?;
+    let local_viewers = local_viewers(args, &hub)?;
     print(&format!("http://{address}/\n"))?;
     tokio::spawn(watch::watch(Arc::clone(&hub)));
-    axum::serve(listener, http::router(hub))
-        .with_graceful_shutdown(async {
-            // Without a handler for it there is nothing to wait for.
-            let _ = tokio::signal::ctrl_c().await;
-        })
-        .await
-        .map_err(|error| cannot("serve", &error))
+    let web = axum::serve(listener, http::router(hub)).with_graceful_shutdown(async {
+        // Without a handler for it there is nothing to wait for.
+        let _ = tokio::signal::ctrl_c().await;
+    });
+    tokio::select! {
+        done = web.into_future() => done.map_err(|error| cannot("serve", &error)),
+        () = local_viewers => Ok(()),
+    }
+}
+
+/// Takes viewers at the Unix socket, if there is to be one, for as long as it is polled.
+#[cfg(target_os = "linux")]
+fn local_viewers(args: &Args, hub: &Arc<Hub>) -> Result<impl Future<Output = ()> + use<>, ToolError> {
+    let listener = args.unix.as_deref().map(local::Listener::bind).transpose()?;
+    let hub = Arc::clone(hub);
+    Ok(async move {
+        match listener {
+            Some(listener) => listener.serve(hub).await,
+            None => std::future::pending().await,
+        }
+    })
+}
+
+#[cfg(not(target_os = "linux"))]
+fn local_viewers(_: &Args, _: &Arc<Hub>) -> Result<impl Future<Output = ()> + use<>, ToolError> {
+    Ok(std::future::pending())
 }
 
 fn stem(path: &Path) -> String {
