@@ -120,10 +120,8 @@ fn write(
         write_grey_png(path, [frame.width, frame.height], &frame.lit)?;
     }
     if let Some(path) = &args.mesh {
-        let mut triangles = renderer.mesh(view, settings.scheme).map_err(of_render(&args.file))?;
-        // A GPU yields them in any order.
-        triangles.sort_unstable_by_key(|corners| corners.map(|corner| (corner.s, corner.t)));
-        let bytes = glb(planet, &view.camera, &triangles)?;
+        let triangles = renderer.mesh(view, settings.scheme).map_err(of_render(&args.file))?;
+        let bytes = glb(planet, &view.camera, triangles)?;
         publish(path, |out| std::io::Write::write_all(out, &bytes))?;
     }
     Ok(())

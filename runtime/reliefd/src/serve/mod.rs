@@ -11,13 +11,14 @@ mod local;
 mod meters;
 mod patience;
 mod session;
+mod truncated;
+mod watch;
 
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use relief_formats::file::Relief;
 use relief_front::error::ToolError;
 use relief_front::stdout::print;
 use relief_runtime::planet::Planet;
@@ -77,7 +78,7 @@ fn hub(args: &Args) -> Result<Hub, ToolError> {
 }
 
 fn open(path: &Path, cache_bytes: u64) -> Result<Arc<Planet>, ToolError> {
-    let relief = Relief::open(path).map_err(ToolError::of_file(path))?;
+    let relief = truncated::open(path).map_err(ToolError::of_file(path))?;
     Planet::new(relief, cache_bytes).map_err(opened(path))
 }
 
@@ -100,6 +101,7 @@ async fn serve(args: &Args, hub: Arc<Hub>) -> Result<(), ToolError> {
     let address = listener.local_addr().map_err(|error| cannot("read its own address", &error))?;
     let local_viewers = local_viewers(args, &hub)?;
     print(&format!("http://{address}/\n"))?;
+    tokio::spawn(watch::watch(Arc::clone(&hub)));
     let web = axum::serve(listener, http::router(hub)).with_graceful_shutdown(async {
         // Without a handler for it there is nothing to wait for.
         let _ = tokio::signal::ctrl_c().await;

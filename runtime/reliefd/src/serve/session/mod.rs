@@ -2,7 +2,7 @@
 //! to be told into an outbox.
 
 mod outbox;
-mod pack;
+pub mod pack;
 mod pick;
 
 use std::collections::HashMap;
