@@ -30,7 +30,8 @@ const SEND: Duration = Duration::from_secs(30);
 /// A query with the token, where there is one.
 #[derive(serde::Deserialize)]
 pub struct Token {
-    token: Option<String>,
+    /// As it was sent.
+    pub token: Option<String>,
 }
 
 /// `GET /v1/attach`.

@@ -1,5 +1,6 @@
 //! `/v1`: what scripts ask.
 
+pub mod attach;
 pub mod distance;
 pub mod height;
 pub mod heights;
