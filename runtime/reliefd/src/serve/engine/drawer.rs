@@ -6,17 +6,18 @@ use std::time::Duration;
 use relief_formats::tile::TileKey;
 use relief_runtime::cpu::Cpu;
 use relief_runtime::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings};
-use relief_runtime::gpu::Gpu;
+use relief_runtime::gpu::{Device, DeviceError, Gpu, ShadowMasks};
 use relief_runtime::planet::Planet;
 use relief_runtime::residency::Progress;
+use relief_runtime::shadow::{Mask, ShadowWindow, mask_in_ram};
 use relief_runtime::view::View;
 
 use crate::backend::Backend;
 
 /// A resident set and what draws from it.
 pub enum Drawer {
-    /// On a GPU.
-    Gpu(Box<Gpu>),
+    /// On a GPU; the pipeline of masks is made when one is asked for.
+    Gpu(Box<Gpu>, Device, Option<Box<ShadowMasks>>),
     /// On all cores.
     Cpu(Box<Cpu>),
 }
@@ -28,14 +29,17 @@ impl Drawer {
     /// What the device says, or a damaged tile of the coarsest level.
     pub fn new(backend: &Backend, planet: &Arc<Planet>, atlas_bytes: u64) -> Result<Self, RenderError> {
         Ok(match backend {
-            Backend::Gpu(device) => Self::Gpu(Box::new(Gpu::new(device, Arc::clone(planet), atlas_bytes)?)),
+            Backend::Gpu(device) => {
+                let gpu = Gpu::new(device, Arc::clone(planet), atlas_bytes)?;
+                Self::Gpu(Box::new(gpu), device.clone(), None)
+            }
             Backend::Cpu => Self::Cpu(Box::new(Cpu::new(Arc::clone(planet), atlas_bytes)?)),
         })
     }
 
     fn renderer(&mut self) -> &mut dyn Renderer {
         match self {
-            Self::Gpu(gpu) => &mut **gpu,
+            Self::Gpu(gpu, ..) => &mut **gpu,
             Self::Cpu(cpu) => &mut **cpu,
         }
     }
@@ -43,7 +47,7 @@ impl Drawer {
     /// Pages in the atlas.
     pub fn resident(&self) -> usize {
         match self {
-            Self::Gpu(gpu) => gpu.resident().count(),
+            Self::Gpu(gpu, ..) => gpu.resident().count(),
             Self::Cpu(cpu) => cpu.resident().count(),
         }
     }
@@ -56,6 +60,23 @@ impl Drawer {
     /// See [`Renderer::mesh`].
     pub fn mesh(&mut self, view: &View, scheme: Scheme) -> Result<Vec<ReliefTriangle>, RenderError> {
         self.renderer().mesh(view, scheme)
+    }
+
+    /// How much of the sun the nodes of a window see, with the tiles that can be had in `time`.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn mask(&mut self, window: &ShadowWindow, time: Duration) -> Result<Mask, DeviceError> {
+        match self {
+            Self::Gpu(gpu, device, masks) => {
+                let made = match masks.take() {
+                    Some(made) => made,
+                    None => Box::new(ShadowMasks::new(device)?),
+                };
+                masks.insert(made).of(gpu.resident_mut(), window, time)
+            }
+            Self::Cpu(cpu) => Ok(mask_in_ram(cpu.resident_mut(), window, time)),
+        }
     }
 
     /// See [`Renderer::update`].

@@ -118,7 +118,8 @@ mod tests {
         for own in ["localhost", "LOCALHOST:80", "127.0.0.1:7878", "127.1.2.3", "[::1]:7878", "a.localhost:1"] {
             assert!(is_this_machine(own), "{own}");
         }
-        for other in ["", "example.org", "127.0.0.1.example.org:7878", "localhost.example.org", "[::2]", "192.168.0.1"] {
+        for other in ["", "example.org", "127.0.0.1.example.org:7878", "localhost.example.org", "[::2]", "192.168.0.1"]
+        {
             assert!(!is_this_machine(other), "{other}");
         }
     }

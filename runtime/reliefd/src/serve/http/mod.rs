@@ -31,6 +31,7 @@ pub fn router(shared: Shared) -> Router {
     let work = OpenApiRouter::new()
         .routes(routes!(v1::render::render))
         .routes(routes!(v1::mesh::mesh))
+        .routes(routes!(v1::shadow::shadow))
         .routes(routes!(v1::height::height))
         .routes(routes!(v1::heights::heights))
         .routes(routes!(v1::distance::distance))

@@ -8,6 +8,7 @@ pub mod mesh;
 pub mod openapi;
 pub mod planets;
 pub mod render;
+pub mod shadow;
 
 use std::time::Duration;
 
