@@ -37,6 +37,10 @@ run *arguments:
 view *arguments:
     @cargo run --quiet --release --locked -p reliefd -- {{ arguments }}
 
+# Serve a .relief file to the browser: just serve out/earth.relief
+serve *arguments="out/earth.relief":
+    @cargo run --quiet --release --locked -p reliefd -- serve {{ arguments }}
+
 # Type-check everything, tests included
 check:
     cargo check --release --locked --workspace --all-targets

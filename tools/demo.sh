@@ -7,11 +7,11 @@ usage() {
 usage: bash tools/demo.sh [--no-serve] [--out DIR] [--help]
 
 Installs what is missing (tools/setup.sh), builds relief-bake, bakes the Earth from the ETOPO1
-heights in tests/data, validates the result against them, draws a shaded picture and prints
-where everything is.
+heights in tests/data, validates the result against them, draws a shaded picture, prints where
+everything is, and serves the Earth to the browser until Ctrl-C.
 
   --out DIR    where the results go (default: out)
-  --no-serve   start no server at the end
+  --no-serve   do not serve it at the end
 
 exit: 0 good, 1 the baked file failed its validation, 2 could not run
 TEXT
@@ -24,10 +24,11 @@ fail() {
 
 caller=$PWD
 out=
+serve=true
 while (($# > 0)); do
   case "$1" in
     -h | --help) usage; exit 0 ;;
-    --no-serve) ;; # nothing is served yet; accepted so that callers need not change
+    --no-serve) serve=false ;;
     --out)
       [[ -n ${2-} ]] || fail '--out needs a folder (see --help)'
       out=$2
@@ -103,5 +104,14 @@ Try next:
   $quoted_bake bake YOUR.tif -o yours.relief              your own heights
   $quoted_reliefd render $quoted_relief --camera 7.6,45.2,60000,0,-20 --sun 80,10 --out alps.png
   $quoted_reliefd report $quoted_relief -o report         speed against error, a page
+  $quoted_reliefd serve $quoted_relief                    a page that flies over it, and viewers of your own
   $quoted_bake --help                                     everything else
 TEXT
+
+if $serve; then
+  # The usual port, or a free one where somebody listens there.
+  listen=127.0.0.1:7878
+  if (exec 3<>/dev/tcp/127.0.0.1/7878) 2>/dev/null; then listen=auto; fi
+  step 'Serve it: open the address in a browser; Ctrl-C ends'
+  exec "$reliefd" serve "$relief" --listen "$listen"
+fi

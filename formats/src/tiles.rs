@@ -59,6 +59,12 @@ impl<'a> Tiles<'a> {
         Self { relief, cache, verify: true }
     }
 
+    /// Bytes of decoded samples that may be kept.
+    #[must_use]
+    pub fn cache_bytes(&self) -> u64 {
+        self.cache.capacity()
+    }
+
     /// Leaves the digests unchecked: for files that were validated.
     #[must_use]
     pub fn trusting(mut self) -> Self {

@@ -12,6 +12,7 @@ mod picture;
 mod present;
 mod read;
 mod readback;
+mod shading;
 mod shadow_masks;
 mod targets;
 mod tessellate;

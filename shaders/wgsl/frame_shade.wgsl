@@ -1,5 +1,5 @@
-// Shades the pixels that `frame_draw` stored. Twin: src/frame/shade.rs, shade_pixel.
-// use: shade shade_ground shadow sea
+// Shades the pixels that `frame_draw` stored. Twin: src/frame/shade.rs.
+// use: shade_light shade_ground shade_overlay shadow sea
 
 @group(1) @binding(0) var<uniform> view: View;
 @group(1) @binding(2) var places: texture_2d<u32>;
@@ -16,7 +16,17 @@
 // The grid of sea levels, read where the style says so.
 @group(1) @binding(8) var<uniform> sea_m: array<vec4<f32>, 4095>;
 
+// False where a picture has no overlay: code that is never run takes registers all the same.
+override overlaid: bool = true;
+
 var<workgroup> group_fetched: array<atomic<u32>, 4>;
+
+struct Spot {
+    pixel: vec2<u32>,
+    place: vec4<u32>,
+    point_m: vec3<f32>,
+    distance_m: f32,
+}
 
 struct Shaded {
     colour: u32,
@@ -51,7 +61,77 @@ fn sun_at(s: u32, t: u32) -> vec3<f32> {
     return sun;
 }
 
-fn shade_ground(place: vec4<u32>, distance_m: f32) -> Shaded {
+// A pixel's line of sight: right and up where it is 1 along the axis, and its length there.
+fn sight(pixel: vec2<u32>) -> vec3<f32> {
+    let x = ((f32(pixel.x) + 0.5) * 2.0 / f32(view.width) - 1.0) * view.tan_x;
+    let y = (1.0 - (f32(pixel.y) + 0.5) * 2.0 / f32(view.height)) * view.tan_y;
+    return vec3(x, y, sqrt(1.0 + x * x + y * y));
+}
+
+// The page that a pixel's height is from; none in the sky and beyond the picture.
+fn page_at(pixel: vec2<u32>) -> u32 {
+    if pixel.x >= view.width || pixel.y >= view.height {
+        return NONE;
+    }
+    let depth = textureLoad(depths, pixel, 0);
+    if depth == 0.0 {
+        return NONE;
+    }
+    let place = textureLoad(places, pixel, 0);
+    let wanted = u32(detail(view, view.forward.w / depth * sight(pixel).z));
+    let level = finest_level(wanted, place.x, place.y);
+    let at = tile_place(level, place.x, place.y);
+    return page_key(level, at.x, at.y);
+}
+
+fn over_pages(spot: Spot, wanted: u32, level: u32) -> vec3<f32> {
+    let at = tile_place(level, spot.place.x, spot.place.y);
+    var colour = page_colour(level, at.x, at.y);
+    if level > wanted {
+        colour = striped(colour, spot.pixel);
+    }
+    let here = page_key(level, at.x, at.y);
+    let beside = vec4(
+        page_at(spot.pixel + vec2(1u, 0u)),
+        page_at(spot.pixel - vec2(1u, 0u)),
+        page_at(spot.pixel + vec2(0u, 1u)),
+        page_at(spot.pixel - vec2(0u, 1u)),
+    );
+    if any((beside != vec4(here)) & (beside != vec4(NONE))) {
+        colour *= 0.1;
+    }
+    return colour;
+}
+
+fn over_error(spot: Spot) -> vec3<f32> {
+    let error = drawn_error(view, spot.place.x, spot.place.y, spot.point_m, spot.distance_m);
+    let colour = error_colour(error.px / view.up.w);
+    if error.level > 0u {
+        return striped(colour, spot.pixel);
+    }
+    return colour;
+}
+
+fn over(spot: Spot, colour: vec3<f32>, wanted: u32, level: u32, light: vec3<f32>, sun: vec3<f32>) -> vec3<f32> {
+    if style.overlay == PAGES {
+        let level_light = ground_light(vec2(0.0, 0.0), sun, 1.0);
+        return in_relief(over_pages(spot, wanted, level), light, level_light, 0.9);
+    }
+    if style.overlay == ERROR {
+        let level_light = ground_light(vec2(0.0, 0.0), sun, 1.0);
+        return in_relief(over_error(spot), light, level_light, 0.5);
+    }
+    var marked = colour;
+    if style.overlay == DETAIL {
+        marked = mix(colour, detail_colour(i32(spot.place.z & 255u) - 128), 0.45);
+    }
+    let edge = f32((spot.place.z >> 8u) & 255u) / 32.0;
+    return mix(vec3(0.01, 0.012, 0.02), marked, 0.25 + 0.75 * smoothstep(0.2, 0.8, edge));
+}
+
+fn shade_ground(spot: Spot) -> Shaded {
+    let place = spot.place;
+    let distance_m = spot.distance_m;
     let level = detail(view, distance_m);
     let here = ground_between(level, place.x, place.y, metres_per_unit(place.y));
     let sun = sun_at(place.x, place.y);
@@ -62,13 +142,10 @@ fn shade_ground(place: vec4<u32>, distance_m: f32) -> Shaded {
     if style.sea == SEA_GRID {
         sea = sea_level_m(place.x, place.y);
     }
-    var colour = ground_colour(here.height_m - sea, steep, sun, visible);
-    if style.overlay == DETAIL {
-        colour = mix(colour, detail_colour(i32(place.z & 255u) - 128), 0.45);
-    }
-    if style.overlay != NO_OVERLAY {
-        let edge = f32((place.z >> 8u) & 255u) / 32.0;
-        colour = mix(vec3(0.01, 0.012, 0.02), colour, 0.25 + 0.75 * smoothstep(0.2, 0.8, edge));
+    let light = ground_light(steep, sun, visible);
+    var colour = tint(here.height_m - sea) * light;
+    if overlaid && style.overlay != NO_OVERLAY {
+        colour = over(spot, colour, u32(level), here.level, light, sun);
     }
     let normal = normalize(vec3(-slope, 1.0));
     return Shaded(pack4x8unorm(vec4(to_srgb(colour), visible)), distance_m, pack2x16snorm(normal.xy));
@@ -77,15 +154,16 @@ fn shade_ground(place: vec4<u32>, distance_m: f32) -> Shaded {
 @compute @workgroup_size(8, 8)
 fn shade_pixels(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     if id.x < view.width && id.y < view.height {
-        let x = ((f32(id.x) + 0.5) * 2.0 / f32(view.width) - 1.0) * view.tan_x;
-        let y = (1.0 - (f32(id.y) + 0.5) * 2.0 / f32(view.height)) * view.tan_y;
-        let stretch = sqrt(1.0 + x * x + y * y);
+        let sight = sight(id.xy);
+        let along = view.forward.xyz + view.right.xyz * sight.x + view.up.xyz * sight.y;
         let depth = textureLoad(depths, id.xy, 0);
         var shaded: Shaded;
         if depth == 0.0 {
-            shaded = shade_sky((view.forward.xyz + view.right.xyz * x + view.up.xyz * y) / stretch);
+            shaded = shade_sky(along / sight.z);
         } else {
-            shaded = shade_ground(textureLoad(places, id.xy, 0), view.forward.w / depth * stretch);
+            let axial_m = view.forward.w / depth;
+            let place = textureLoad(places, id.xy, 0);
+            shaded = shade_ground(Spot(id.xy, place, along * axial_m, axial_m * sight.z));
         }
         let pixel = id.y * view.width + id.x;
         colours[pixel] = shaded.colour;

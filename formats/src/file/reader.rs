@@ -18,6 +18,8 @@ use crate::tile::TileKey;
 
 /// An open file: its header and metadata are checked, its tiles are checked when they are read.
 pub struct Relief {
+    /// Dropped before the map is.
+    _guard: Option<Box<dyn Send + Sync>>,
     map: Mmap,
     /// None for a copy in memory.
     file: Option<File>,
@@ -31,8 +33,18 @@ pub struct Relief {
 impl Relief {
     /// Maps and checks a file: header, length, tail, section table, metadata.
     pub fn open(path: &Path) -> Result<Self, FormatError> {
+        Self::open_guarded(path, |_, _| ())
+    }
+
+    /// The same for programs that outlive a cut of the file: `guard` is told of the mapped bytes and
+    /// their file before anything is read, and what it returns lives as long as the map.
+    pub fn open_guarded<G>(path: &Path, guard: impl FnOnce(&[u8], &File) -> G) -> Result<Self, FormatError>
+    where
+        G: Send + Sync + 'static,
+    {
         let (map, file) = super::map::map(path)?;
-        Ok(Self { file: Some(file), ..Self::check(map)? })
+        let guard: Option<Box<dyn Send + Sync>> = Some(Box::new(guard(&map, &file)));
+        Ok(Self { _guard: guard, file: Some(file), ..Self::check(map)? })
     }
 
     /// Checks a file that is in memory already, and keeps a copy of it.
@@ -81,7 +93,7 @@ impl Relief {
         }
         let metadata = Metadata::decode(&map[meta])?;
         adopt_names(&mut header.body, &metadata.body)?;
-        Ok(Self { map, file: None, header, metadata, sections, index, tiles })
+        Ok(Self { _guard: None, map, file: None, header, metadata, sections, index, tiles })
     }
 
     /// That the file was not cut since it was opened: reading what a cut took away ends the
@@ -99,6 +111,12 @@ impl Relief {
             }
             false => Ok(()),
         }
+    }
+
+    /// The open file; none for a copy in memory.
+    #[must_use]
+    pub fn file(&self) -> Option<&File> {
+        self.file.as_ref()
     }
 
     /// The header's numbers.

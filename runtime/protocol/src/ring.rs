@@ -11,6 +11,8 @@
 
 /// The first bytes.
 pub const MAGIC: [u8; 8] = *b"RLFRING1";
+/// Bytes before the sequence numbers that mean something.
+pub const HEAD_BYTES: usize = 32;
 /// Offset of the first sequence number, and the distance between two.
 pub const SEQUENCES: u64 = 64;
 /// Multiple of bytes at which slots begin.
@@ -25,6 +27,7 @@ pub const MOST_SLOT_BYTES: u64 = 1 << 30;
 pub struct Layout {
     slots: u32,
     slot_bytes: u64,
+    first: u64,
 }
 
 impl Layout {
@@ -32,7 +35,26 @@ impl Layout {
     #[must_use]
     pub fn new(slots: u32, slot_bytes: u64) -> Option<Self> {
         let good = (1..=MOST_SLOTS).contains(&slots) && (1..=MOST_SLOT_BYTES).contains(&slot_bytes);
-        good.then(|| Self { slots, slot_bytes: slot_bytes.next_multiple_of(PAGE) })
+        let first = (SEQUENCES * (1 + u64::from(slots))).next_multiple_of(PAGE);
+        good.then(|| Self { slots, slot_bytes: slot_bytes.next_multiple_of(PAGE), first })
+    }
+
+    /// What a head says; none where it is no ring's, or the ring does not fit into so many bytes.
+    #[must_use]
+    pub fn read(head: &[u8; HEAD_BYTES], bytes: u64) -> Option<Self> {
+        let (magic, rest) = head.split_first_chunk::<8>()?;
+        let (slots, rest) = rest.split_first_chunk::<4>()?;
+        let (_, rest) = rest.split_first_chunk::<4>()?;
+        let (slot_bytes, rest) = rest.split_first_chunk::<8>()?;
+        let first = u64::from_le_bytes(*rest.first_chunk::<8>()?);
+        let good = Self::new(u32::from_le_bytes(*slots), u64::from_le_bytes(*slot_bytes))?;
+        let layout = Self { slot_bytes: u64::from_le_bytes(*slot_bytes), first, ..good };
+        let fits = layout.slot_bytes.is_multiple_of(PAGE)
+            && first.is_multiple_of(PAGE)
+            && first >= good.first
+            && first <= bytes
+            && layout.bytes() <= bytes;
+        (*magic == MAGIC && fits).then_some(layout)
     }
 
     /// Slots.
@@ -62,13 +84,13 @@ impl Layout {
     /// Offset of a slot.
     #[must_use]
     pub fn slot(&self, slot: u32) -> u64 {
-        self.sequence(self.slots).next_multiple_of(PAGE) + u64::from(slot) * self.slot_bytes
+        self.first + u64::from(slot) * self.slot_bytes
     }
 
     /// The bytes before the sequence numbers.
     #[must_use]
-    pub fn head(&self) -> [u8; 32] {
-        let mut out = [0; 32];
+    pub fn head(&self) -> [u8; HEAD_BYTES] {
+        let mut out = [0; HEAD_BYTES];
         out[..8].copy_from_slice(&MAGIC);
         out[8..12].copy_from_slice(&self.slots.to_le_bytes());
         out[16..24].copy_from_slice(&self.slot_bytes.to_le_bytes());
@@ -89,9 +111,26 @@ mod tests {
             assert!(layout.sequence(slots - 1) + 8 <= layout.slot(0));
             assert!((0..slots).all(|k| layout.slot(k).is_multiple_of(4096)));
             assert_eq!(layout.bytes(), layout.slot(slots - 1) + layout.slot_bytes());
+            assert_eq!(Layout::read(&layout.head(), layout.bytes()), Some(layout));
         }
         assert_eq!(Layout::new(0, 1), None);
         assert_eq!(Layout::new(17, 1), None);
         assert_eq!(Layout::new(4, u64::MAX), None);
+    }
+
+    #[test]
+    fn heads_of_no_ring_are_refused() {
+        let layout = Layout::new(4, 5000).unwrap();
+        let bent = |at: usize, value: u8| {
+            let mut head = layout.head();
+            head[at] = value;
+            Layout::read(&head, layout.bytes())
+        };
+        assert_eq!(bent(12, 9), Some(layout), "a field that may be used later");
+        // The magic, no slots, too many, a slot that is no page, huge ones, an offset inside the numbers, far away.
+        for (at, value) in [(0, b'r'), (8, 0), (8, 17), (8, 5), (16, 1), (20, 1), (25, 0), (24, 1), (31, 255)] {
+            assert_eq!(bent(at, value), None, "{at} {value}");
+        }
+        assert_eq!(Layout::read(&layout.head(), layout.bytes() - 1), None);
     }
 }

@@ -70,6 +70,11 @@ pub enum OverlayChoice {
     Wireframe,
     /// The triangles' sides and a colour for each level of detail
     Lod,
+    /// A colour for each page that heights are from, by level; striped where a coarser one stands in
+    Pages,
+    /// The error really drawn: blue none, white --pixel-error, red twice that; striped where the
+    /// finest heights are not at hand
+    Error,
 }
 
 impl SchemeChoice {
@@ -127,6 +132,8 @@ impl ViewArgs {
             None => Overlay::None,
             Some(OverlayChoice::Wireframe) => Overlay::Wireframe,
             Some(OverlayChoice::Lod) => Overlay::Detail,
+            Some(OverlayChoice::Pages) => Overlay::Pages,
+            Some(OverlayChoice::Error) => Overlay::Error,
         };
         let shadow = match self.shadow {
             ShadowChoice::Exact => Shadow::Exact,

@@ -165,7 +165,7 @@ impl Gpu {
         let pending = device.guard(|| {
             self.canvas.set(&device, &self.picture, self.resident.store(), &uniform, &style);
             let mut encoder = device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            self.encode(&mut encoder, &uniform, settings.scheme);
+            self.encode(&mut encoder, &uniform, settings);
             if let (Some(host), Some((targets, _))) = (host, &self.canvas.sized) {
                 self.present.encode(&device, &mut encoder, &self.canvas.view, targets, host);
             }
@@ -184,7 +184,7 @@ impl Gpu {
         Ok(pending)
     }
 
-    fn encode(&self, encoder: &mut wgpu::CommandEncoder, view: &shared::View, scheme: Scheme) {
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder, view: &shared::View, settings: &Settings) {
         let (atlas, planet, lists) = (self.resident.store(), self.resident.uniform(), &self.canvas.lists);
         let Some((targets, groups)) = &self.canvas.sized else { return };
         let timed = |n: u32| wgpu::ComputePassDescriptor {
@@ -193,14 +193,14 @@ impl Gpu {
         };
         {
             let mut pass = encoder.begin_compute_pass(&timed(0));
-            let passes = self.passes.min(Tessellation::most_passes(planet, scheme));
+            let passes = self.passes.min(Tessellation::most_passes(planet, settings.scheme));
             let buffers = (atlas, lists);
-            self.tessellation.encode(&self.device, &mut pass, buffers, (planet, view), (scheme, passes));
+            self.tessellation.encode(&self.device, &mut pass, buffers, (planet, view), (settings.scheme, passes));
         }
         encoder.clear_buffer(&self.canvas.fetched, 0, None);
         self.picture.draw(encoder, groups, lists, targets, self.timestamps.render(1));
         let mut pass = encoder.begin_compute_pass(&timed(2));
-        self.picture.shade(&mut pass, atlas, groups, targets.size);
+        self.picture.shade(&self.device, &mut pass, atlas, (groups, targets.size), settings.overlay);
     }
 
     fn note(&mut self, finished: Finished) {

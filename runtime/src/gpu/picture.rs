@@ -1,5 +1,6 @@
 //! Drawing and shading: `wgsl/frame_draw.wgsl` and `wgsl/frame_shade.wgsl`.
 
+use relief_shaders::frame::Overlay;
 use relief_shaders::kernels;
 use relief_shaders::leb::control::Args;
 
@@ -7,6 +8,7 @@ use super::atlas::Atlas;
 use super::device::Device;
 use super::kernel::{self, Binding};
 use super::lists::Lists;
+use super::shading::Shading;
 use super::targets::{DEPTHS, PLACES, Targets};
 
 /// Pipelines of a picture.
@@ -15,7 +17,7 @@ pub(super) struct Picture {
     corners: wgpu::BindGroupLayout,
     pixels: wgpu::BindGroupLayout,
     draw: wgpu::RenderPipeline,
-    shade: wgpu::ComputePipeline,
+    shading: Shading,
     sea: wgpu::Buffer,
 }
 
@@ -37,14 +39,12 @@ impl Picture {
             "pixels",
             &[Uniform, Uniform, Integers, Depth, ReadWrite, ReadWrite, ReadWrite, ReadWrite, Uniform],
         );
-        let layout = kernel::pipeline_layout(device, &[Some(&Atlas::layout(device)), Some(&pixels)]);
-        let module = kernel::module(device, "frame_shade", kernels::FRAME_SHADE);
-        let shade = kernel::pipeline(device, &layout, &module, "shade_pixels");
+        let shading = Shading::new(device, &[Some(&Atlas::layout(device)), Some(&pixels)]);
         let draw = draw_pipeline(device, &[Some(&planet), Some(&corners)]);
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let sea = kernel::empty(device, "sea", size_of_val(sea_m) as u64, usage);
         device.queue().write_buffer(&sea, 0, bytemuck::cast_slice(sea_m));
-        Self { planet, corners, pixels, draw, shade, sea }
+        Self { planet, corners, pixels, draw, shading, sea }
     }
 
     pub fn groups(
@@ -114,8 +114,15 @@ impl Picture {
     }
 
     /// Adds to a pass the shading of all pixels.
-    pub fn shade(&self, pass: &mut wgpu::ComputePass<'_>, atlas: &Atlas, groups: &Groups, [width, height]: [u32; 2]) {
-        pass.set_pipeline(&self.shade);
+    pub fn shade(
+        &self,
+        device: &Device,
+        pass: &mut wgpu::ComputePass<'_>,
+        atlas: &Atlas,
+        (groups, [width, height]): (&Groups, [u32; 2]),
+        overlay: Overlay,
+    ) {
+        pass.set_pipeline(self.shading.pipeline(device, overlay != Overlay::None));
         pass.set_bind_group(0, atlas.group(), &[]);
         pass.set_bind_group(1, &groups.pixels, &[]);
         pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);

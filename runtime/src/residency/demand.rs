@@ -30,6 +30,19 @@ impl<S: Store> Resident<S> {
         true
     }
 
+    /// True while what [`Self::want`] would settle for is not here.
+    pub(super) fn is_to_come(&self, key: TileKey) -> bool {
+        let root = self.planet.grid().root_level();
+        let (mut settled, mut above) = (key, key);
+        while above.level < root && self.slots.find(above).is_none() {
+            if self.unavailable.contains_key(&above) {
+                settled = above.parent();
+            }
+            above = above.parent();
+        }
+        self.slots.find(settled).is_none()
+    }
+
     pub(super) fn available(&mut self, key: TileKey) -> bool {
         if self.slots.find(key).is_some() {
             return true;

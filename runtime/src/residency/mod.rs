@@ -86,6 +86,8 @@ pub struct Resident<S> {
     ready: BTreeMap<TileKey, Page>,
     /// Tiles that are always wanted.
     pinned: Vec<TileKey>,
+    /// Pages that the last frame asked for and lacked, as kernels name them.
+    lacked: Vec<u32>,
     /// The pages asked for belong to a new round when an update came in between.
     updated: bool,
 }
@@ -105,6 +107,7 @@ impl<S: Store> Resident<S> {
             unavailable: HashMap::new(),
             ready: BTreeMap::new(),
             pinned: pinned::tiles(&planet, capacity.slots()),
+            lacked: Vec::new(),
             updated: true,
             planet,
             uniform,
@@ -166,15 +169,27 @@ impl<S: Store> Resident<S> {
             self.wants.clear();
             self.want_pinned();
         }
-        let mut lacking = 0;
+        self.lacked.clear();
         for key in keys {
-            let (level, x, y) = pages::unkey(key);
-            let key = TileKey::new(level, x, y);
-            if self.planet.grid().contains(key) {
-                lacking += usize::from(self.want(key));
+            let tile = tile_of(key);
+            if self.planet.grid().contains(tile) && self.want(tile) {
+                self.lacked.push(key);
             }
         }
-        lacking
+        self.lacked.len()
+    }
+
+    /// The pages that the last [`Self::ask`] lacked. A host with views that it does not draw in every
+    /// round asks for them again, so that they stay wanted.
+    #[must_use]
+    pub fn lacked(&self) -> &[u32] {
+        &self.lacked
+    }
+
+    /// How many of these pages, which were asked for, are still to come.
+    #[must_use]
+    pub fn still_lacks(&self, keys: &[u32]) -> usize {
+        keys.iter().filter(|&&key| self.is_to_come(tile_of(key))).count()
     }
 
     /// Loads what is wanted, until nothing is left or the time is over. A single page may overrun
@@ -217,6 +232,11 @@ impl<S: Store> Resident<S> {
             Unavailable::Absent => None,
         })
     }
+}
+
+fn tile_of(key: u32) -> TileKey {
+    let (level, x, y) = pages::unkey(key);
+    TileKey::new(level, x, y)
 }
 
 #[cfg(test)]

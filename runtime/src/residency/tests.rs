@@ -170,6 +170,27 @@ fn a_tile_that_the_file_lacks_comes_unless_what_it_rests_on_is_damaged() {
 }
 
 #[test]
+fn what_a_view_lacks_is_asked_for_again_while_others_are_drawn() {
+    let bad = TileKey::new(1, 1, 0);
+    let planet = write(&Sample::new(Body::earth(), 11), damage(bad, Plane::Nodes));
+    let mut resident = resident(&planet, 200);
+    let late = pages::key(0, 14, 6);
+    assert_eq!(resident.ask([late, pages::key(0, 2, 0)]), 2);
+    let lacked = resident.lacked().to_vec();
+    // Another view's round: what is not asked for is forgotten, until it is asked for again.
+    resident.update(Duration::ZERO);
+    assert_eq!((resident.ask([]), resident.still_lacks(&lacked)), (0, 2));
+    resident.update(LONG);
+    assert_eq!(resident.still_lacks(&[late]), 1);
+    resident.ask(lacked.iter().copied());
+    resident.update(LONG);
+    // Once for what finer tiles rest on, which is found to be damaged.
+    resident.ask(lacked.iter().copied());
+    resident.update(LONG);
+    assert_eq!(resident.still_lacks(&lacked), 0, "{:?}", held(&resident));
+}
+
+#[test]
 fn a_damaged_root_is_refused_at_once() {
     let planet = write(&Sample::new(Body::earth(), 9), damage(TileKey::new(1, 1, 0), Plane::Nodes));
     let error = Resident::new(Arc::clone(&planet), small(64), Ram::new(small(64))).err();

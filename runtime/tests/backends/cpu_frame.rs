@@ -23,7 +23,7 @@ struct Worst {
 }
 
 /// The camera's ECEF position and axes (right, up, forward), from the definition of heading and pitch.
-fn pose(camera: &Camera, body: Ellipsoid) -> ([f64; 3], [[f64; 3]; 3]) {
+pub fn pose(camera: &Camera, body: Ellipsoid) -> ([f64; 3], [[f64; 3]; 3]) {
     let (lon, lat) = (lon_deg(camera.s).to_radians(), lat_deg(camera.t).to_radians());
     let east = [-lon.sin(), lon.cos(), 0.0];
     let north = [-lat.sin() * lon.cos(), -lat.sin() * lon.sin(), lat.cos()];
@@ -105,7 +105,7 @@ fn pixels_show_the_surface_where_they_say() {
 }
 
 /// A body with up to 4 km of relief from node to node.
-fn rough(body: Body, m: u32) -> Sample {
+pub fn rough(body: Body, m: u32) -> Sample {
     let q = |grid: Grid, i: u32, j: u32| match j {
         0 => 0,
         j if j == grid.height(0) => 0,

@@ -74,10 +74,12 @@ fn the_gpu_draws_what_the_twins_draw() {
     let adaptive = Settings { places: true, ..Settings::default() };
     let uniform = Settings { scheme: Scheme::Uniform { level: 2 }, ..adaptive };
     let paper = Settings { scheme: Scheme::Paper, ..adaptive };
-    let marked = Settings { overlay: Overlay::Detail, ..adaptive };
+    let [marked, pages, error] =
+        [Overlay::Detail, Overlay::Pages, Overlay::Error].map(|overlay| Settings { overlay, ..adaptive });
     for (n, view) in views().iter().enumerate() {
         // Marks along sides are a pixel wide, and derivatives of small triangles coarse.
-        for (settings, colour) in [(adaptive, 1e-3), (uniform, 1e-3), (paper, 1e-3), (marked, 2e-2)] {
+        let smooth = [adaptive, uniform, paper, pages, error].map(|settings| (settings, 1e-3));
+        for (settings, colour) in smooth.into_iter().chain([(marked, 2e-2)]) {
             let [a, b] = [&mut gpu as &mut dyn Renderer, &mut cpu]
                 .map(|renderer| renderer.render_until_complete(view, &settings, LONG).unwrap());
             assert_eq!((a.stats.tiles_missing, b.stats.tiles_missing), (0, 0));
@@ -96,7 +98,7 @@ fn the_gpu_draws_what_the_twins_draw() {
         }
     }
     // The comparison sees a difference where there is one.
-    let apart = difference(&frames[0], &frames[4], FOCAL_PX);
+    let apart = difference(&frames[0], &frames[6], FOCAL_PX);
     assert!(apart.places > 0.3 && apart.colour > 0.3 && apart.distance > 0.3, "{apart:?}");
 }
 

@@ -55,16 +55,20 @@ fn height_near_m(pages: &Pages<'_>, level: u32, s: u32, t: u32, home: TilePlace,
     pages.height_m(level, s, t)
 }
 
-/// The level of the finest page at `level` or coarser. The page is asked for; all above it then
-/// count as used.
-fn finest_level(pages: &Pages<'_>, level: u32, s: u32, t: u32) -> u32 {
-    let first = pages.place(level, s, t);
-    pages.ask(level, first.x, first.y);
+/// The level of the finest page at `level` or coarser.
+pub(super) fn finest_page(pages: &Pages<'_>, level: u32, s: u32, t: u32) -> u32 {
     let here = |k: &u32| {
         let at = pages.place(*k, s, t);
         pages.find(*k, at.x, at.y) != NONE
     };
     (level..pages.planet.root_level).find(here).unwrap_or(pages.planet.root_level)
+}
+
+/// The same; the page is asked for, and all above it then count as used.
+pub(super) fn finest_level(pages: &Pages<'_>, level: u32, s: u32, t: u32) -> u32 {
+    let first = pages.place(level, s, t);
+    pages.ask(level, first.x, first.y);
+    finest_page(pages, level, s, t)
 }
 
 /// Height and slope of S_level.

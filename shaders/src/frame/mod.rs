@@ -5,6 +5,8 @@
 
 mod clip;
 pub mod ground;
+pub mod light;
+pub mod overlay;
 pub mod raster;
 pub mod sea;
 pub mod shade;

@@ -1,17 +1,19 @@
-//! Colours of ground and sky. Twin of `wgsl/lib/shade.wgsl` and `wgsl/frame_shade.wgsl`.
+//! Drawn places shaded to colours. Twin of `wgsl/frame_shade.wgsl`.
 
 use rayon::prelude::*;
 
 use super::Places;
-use super::ground::{Ground, detail, ground_between, metres_per_unit};
+use super::ground::{Ground, detail, finest_level, ground_between, metres_per_unit};
+use super::light::{detail_colour, exaggeration, ground_light, mix, normalize, sky_colour, smoothstep, tint, to_srgb};
+use super::overlay::{drawn_error, error_colour, in_relief, page_colour, striped};
 use super::sea::sea_level_m;
 use super::style::{Overlay, Shadow, Shore, Style};
-use crate::pages::Pages;
-use crate::planet::{Planet, View};
+use crate::pages::{NONE, Pages, key};
+use crate::planet::View;
 use crate::shadow::pages::PagedRelief;
 use crate::shadow::paper::{PaperMap, Reading};
+use crate::shadow::shadow_exact;
 use crate::shadow::sun::{refracted, sun_local};
-use crate::shadow::{k_shadow, shadow_exact};
 
 /// Shaded pixels, rows from the top.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -70,11 +72,9 @@ pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, maps: Maps<'_>, plac
         .zip(normals.par_chunks_mut(width))
         .enumerate();
     let fetches = rows.map(|(row, ((colours, distances_m), normals))| {
-        let mut canvas = Canvas { pages, view, style, maps, fetches: Fetches::default() };
+        let mut canvas = Canvas { pages, view, style, maps, places, fetches: Fetches::default() };
         for column in 0..width {
-            let at = row * width + column;
-            (colours[column], distances_m[column], normals[column]) =
-                canvas.pixel(column as f32, row as f32, places.depths[at], places.places[at]);
+            (colours[column], distances_m[column], normals[column]) = canvas.pixel([column as u32, row as u32]);
         }
         canvas.fetches
     });
@@ -82,30 +82,127 @@ pub fn shade(pages: &Pages<'_>, view: &View, style: &Style, maps: Maps<'_>, plac
     (shaded, fetches)
 }
 
+/// What a pixel of ground shows.
+struct Spot {
+    /// Column and row.
+    pixel: [u32; 2],
+    s: u32,
+    t: u32,
+    /// The third word of [`Places::places`].
+    marks: u32,
+    /// From the camera, in its frame.
+    point_m: [f32; 3],
+    distance_m: f32,
+}
+
 struct Canvas<'a> {
     pages: &'a Pages<'a>,
     view: &'a View,
     style: &'a Style,
     maps: Maps<'a>,
+    places: &'a Places,
     fetches: Fetches,
 }
 
 impl Canvas<'_> {
     /// `shade_pixels`.
-    fn pixel(&mut self, column: f32, row: f32, depth: f32, place: [u32; 3]) -> (u32, f32, u32) {
+    fn pixel(&mut self, pixel: [u32; 2]) -> (u32, f32, u32) {
         let view = self.view;
-        let x = ((column + 0.5) * 2.0 / view.width as f32 - 1.0) * view.tan_x;
-        let y = (1.0 - (row + 0.5) * 2.0 / view.height as f32) * view.tan_y;
-        let stretch = (1.0 + x * x + y * y).sqrt();
+        let [x, y, stretch] = self.sight(pixel);
+        let along: [f32; 3] = std::array::from_fn(|k| view.forward[k] + view.right[k] * x + view.up[k] * y);
+        let (depth, place) = self.drawn(pixel);
         if depth == 0.0 {
-            let ray = std::array::from_fn(|k| (view.forward[k] + view.right[k] * x + view.up[k] * y) / stretch);
+            let ray = along.map(|c| c / stretch);
             return (pack_unorm(to_srgb(sky_colour(self.pages.planet, view, self.style, ray)), 0.0), 0.0, 0);
         }
-        self.shade_ground(place, view.forward[3] / depth * stretch)
+        let axial_m = view.forward[3] / depth;
+        let [s, t, marks] = place;
+        let point_m = along.map(|c| c * axial_m);
+        self.shade_ground(&Spot { pixel, s, t, marks, point_m, distance_m: axial_m * stretch })
     }
 
-    fn shade_ground(&mut self, [s, t, marks]: [u32; 3], distance_m: f32) -> (u32, f32, u32) {
+    fn drawn(&self, [column, row]: [u32; 2]) -> (f32, [u32; 3]) {
+        let at = (row * self.view.width + column) as usize;
+        (self.places.depths[at], self.places.places[at])
+    }
+
+    /// A pixel's line of sight: right and up where it is 1 along the axis, and its length there.
+    fn sight(&self, [column, row]: [u32; 2]) -> [f32; 3] {
+        let view = self.view;
+        let x = ((column as f32 + 0.5) * 2.0 / view.width as f32 - 1.0) * view.tan_x;
+        let y = (1.0 - (row as f32 + 0.5) * 2.0 / view.height as f32) * view.tan_y;
+        [x, y, (1.0 + x * x + y * y).sqrt()]
+    }
+
+    /// The page that a pixel's height is from; none in the sky and beyond the picture.
+    fn page_at(&self, pixel: [u32; 2]) -> u32 {
+        if pixel[0] >= self.view.width || pixel[1] >= self.view.height {
+            return NONE;
+        }
+        let (depth, [s, t, _]) = self.drawn(pixel);
+        if depth == 0.0 {
+            return NONE;
+        }
+        let wanted = detail(self.pages.planet, self.view, self.view.forward[3] / depth * self.sight(pixel)[2]) as u32;
+        let level = finest_level(self.pages, wanted, s, t);
+        let at = self.pages.place(level, s, t);
+        key(level, at.x, at.y)
+    }
+
+    /// The pages' colours, their borders two pixels wide.
+    fn over_pages(&self, spot: &Spot, wanted: u32, level: u32) -> [f32; 3] {
+        let at = self.pages.place(level, spot.s, spot.t);
+        let mut colour = page_colour(level, at.x, at.y);
+        let [column, row] = spot.pixel;
+        if level > wanted {
+            colour = striped(colour, spot.pixel);
+        }
+        let here = key(level, at.x, at.y);
+        let beside =
+            [[column + 1, row], [column.wrapping_sub(1), row], [column, row + 1], [column, row.wrapping_sub(1)]];
+        let differs = |page: u32| page != here && page != NONE;
+        if beside.into_iter().any(|pixel| differs(self.page_at(pixel))) {
+            colour = colour.map(|c| c * 0.1);
+        }
+        colour
+    }
+
+    fn over_error(&self, spot: &Spot) -> [f32; 3] {
+        let error = drawn_error(self.pages, self.view, [spot.s, spot.t], spot.point_m, spot.distance_m);
+        let colour = error_colour(error.px / self.view.up[3]);
+        if error.level > 0 { striped(colour, spot.pixel) } else { colour }
+    }
+
+    /// What the overlay makes of the ground's colour; `wanted` and `level` are of the page that was
+    /// wanted and of that which its height is from.
+    fn over(
+        &self,
+        spot: &Spot,
+        colour: [f32; 3],
+        [wanted, level]: [u32; 2],
+        light: [f32; 3],
+        sun: [f32; 3],
+    ) -> [f32; 3] {
+        let style = self.style;
+        if style.overlay == Overlay::Pages as u32 {
+            let level_light = ground_light(style, [0.0, 0.0], sun, 1.0);
+            return in_relief(self.over_pages(spot, wanted, level), light, level_light, 0.9);
+        }
+        if style.overlay == Overlay::Error as u32 {
+            let level_light = ground_light(style, [0.0, 0.0], sun, 1.0);
+            return in_relief(self.over_error(spot), light, level_light, 0.5);
+        }
+        let mut marked = colour;
+        if style.overlay == Overlay::Detail as u32 {
+            marked = mix(colour, detail_colour((spot.marks & 255) as i32 - 128), 0.45);
+        }
+        let edge = ((spot.marks >> 8) & 255) as f32 / 32.0;
+        mix([0.01, 0.012, 0.02], marked, 0.25 + 0.75 * smoothstep(0.2, 0.8, edge))
+    }
+
+    fn shade_ground(&mut self, spot: &Spot) -> (u32, f32, u32) {
         let (pages, view, style) = (self.pages, self.view, self.style);
+        let Spot { s, t, distance_m, .. } = *spot;
         let level = detail(pages.planet, view, distance_m);
         let here = ground_between(pages, level, s, t, metres_per_unit(pages.planet, t));
         let sun = self.sun_at(s, t);
@@ -113,13 +210,11 @@ impl Canvas<'_> {
         let exaggeration = exaggeration(style, distance_m / view.right[3]);
         let steep = [here.east * exaggeration, here.north * exaggeration];
         let sea_m = if style.sea == Shore::Grid as u32 { sea_level_m(self.maps.sea_m, s, t) } else { 0.0 };
-        let mut colour = ground_colour(style, here.height_m - sea_m, steep, sun, visible);
-        if style.overlay == Overlay::Detail as u32 {
-            colour = mix(colour, detail_colour((marks & 255) as i32 - 128), 0.45);
-        }
+        let light = ground_light(style, steep, sun, visible);
+        let tint = tint(style, here.height_m - sea_m);
+        let mut colour = std::array::from_fn(|k| tint[k] * light[k]);
         if style.overlay != Overlay::None as u32 {
-            let edge = ((marks >> 8) & 255) as f32 / 32.0;
-            colour = mix([0.01, 0.012, 0.02], colour, 0.25 + 0.75 * smoothstep(0.2, 0.8, edge));
+            colour = self.over(spot, colour, [level as u32, here.level], light, sun);
         }
         let normal = normalize([-here.east, -here.north, 1.0]);
         (pack_unorm(to_srgb(colour), visible), distance_m, pack_snorm([normal[0], normal[1]]))
@@ -159,100 +254,6 @@ impl Canvas<'_> {
         };
         if self.style.air > 0.0 { refracted(sun, self.style.air) } else { sun }
     }
-}
-
-/// Linear light to sRGB, 0 to 1 (IEC 61966-2-1).
-#[must_use]
-pub fn to_srgb(linear: [f32; 3]) -> [f32; 3] {
-    linear.map(|c| {
-        let c = c.clamp(0.0, 1.0);
-        if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
-    })
-}
-
-/// The hypsometric tint of a height, linear light.
-#[must_use]
-pub fn tint(style: &Style, height_m: f32) -> [f32; 3] {
-    let (mut first, mut end) = (128, style.high_m);
-    let base = if style.sea != 0 { 0.0 } else { style.low_m };
-    if style.sea != 0 && height_m < 0.0 {
-        (first, end) = (0, style.low_m);
-    }
-    let share = ((height_m - base) / (end - base)).clamp(0.0, 1.0);
-    let at = 127.0 * share.sqrt();
-    let k = (at as usize).min(126);
-    let (low, high) = (style.ramp[first + k], style.ramp[first + k + 1]);
-    std::array::from_fn(|c| low[c] + (high[c] - low[c]) * (at - k as f32))
-}
-
-/// By how much slopes are exaggerated, for the eye, where a pixel is `footprint_m` wide.
-#[must_use]
-pub fn exaggeration(style: &Style, footprint_m: f32) -> f32 {
-    (footprint_m / style.exaggeration_from_m).max(1.0).powf(0.4).clamp(1.0, 8.0)
-}
-
-/// Light on ground of a height (above the sea, where there is one) and slope under a sun (east, north, up).
-#[must_use]
-pub fn ground_colour(style: &Style, height_m: f32, slope: [f32; 2], sun: [f32; 3], visible: f32) -> [f32; 3] {
-    let normal = normalize([-slope[0], -slope[1], 1.0]);
-    let day = smoothstep(-0.03, 0.12, sun[2]);
-    let lambert = (normal[0] * sun[0] + normal[1] * sun[1] + normal[2] * sun[2]).max(0.0);
-    let direct = lambert * k_shadow(visible, sun[2], style.dark, style.bright) * day;
-    let sky = style.ambient * (0.12 + 0.88 * smoothstep(-0.25, 0.25, sun[2])) * (0.5 + 0.5 * normal[2]);
-    let tint = tint(style, height_m);
-    std::array::from_fn(|k| tint[k] * (style.sun_colour[k] * direct + style.shade_colour[k] * sky))
-}
-
-/// Air before black: thick along the horizon, thinning out with the height of the ray's lowest
-/// point.
-#[must_use]
-pub fn sky_colour(planet: &Planet, view: &View, style: &Style, ray: [f32; 3]) -> [f32; 3] {
-    let scale_m = style.sky[3];
-    if scale_m <= 0.0 {
-        return [0.0; 3];
-    }
-    let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let sun_axis = [view.sun[0], view.sun[1], view.sun[2]];
-    let height_m = view.camera_h_hi_m;
-    let up = if planet.plane != 0 { [0.0, 0.0, 1.0] } else { [view.cos_lat, 0.0, view.sin_lat] };
-    let sin_ray = dot(ray, up);
-    let mut lowest_m = height_m;
-    let mut sun_up = dot(sun_axis, up);
-    if sin_ray < 0.0 && planet.plane == 0 {
-        let radius_m = view.n0_m + height_m;
-        let cos_ray = (1.0 - sin_ray * sin_ray).max(0.0).sqrt();
-        lowest_m = radius_m * cos_ray - view.n0_m;
-        sun_up = dot(sun_axis, normalize(std::array::from_fn(|k| up[k] - ray[k] * sin_ray)));
-    }
-    let path = if sin_ray < 0.0 { 12.0 } else { 1.0 / (sin_ray.max(0.0) + 0.08) };
-    let depth = path * (-lowest_m.max(0.0) / scale_m).exp();
-    let light = (1.0 - (-0.35 * depth).exp()) * smoothstep(-0.2, 0.3, sun_up);
-    [0, 1, 2].map(|k| style.sky[k] * light)
-}
-
-/// A colour for a level of detail.
-#[must_use]
-pub fn detail_colour(level: i32) -> [f32; 3] {
-    let hue = ((level + 32) % 12) as f32 / 12.0;
-    [0.0, 0.666_666_7, 0.333_333_3].map(|turn| {
-        let phase = hue + turn;
-        let k = ((phase - phase.floor()) * 6.0 - 3.0).abs() - 1.0;
-        0.1 + 0.8 * k.clamp(0.0, 1.0)
-    })
-}
-
-fn mix(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
-    std::array::from_fn(|k| a[k] * (1.0 - share) + b[k] * share)
-}
-
-fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
-fn normalize(v: [f32; 3]) -> [f32; 3] {
-    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-    v.map(|c| c / length)
 }
 
 /// `pack4x8unorm`.

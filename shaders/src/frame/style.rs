@@ -14,6 +14,12 @@ pub enum Overlay {
     Wireframe = 1,
     /// The triangles' sides and a colour for each level of detail.
     Detail = 2,
+    /// A colour for each page that heights are taken from, with its borders; striped where it stands
+    /// in for a finer one that is missing.
+    Pages = 3,
+    /// The error of the drawn surface, blue to white at the threshold to red at twice it; striped
+    /// where S_0 is not at hand and the finest page that is counts as the truth.
+    Error = 4,
 }
 
 /// How the relief's shadows are found.
@@ -201,7 +207,7 @@ fn colour(stops: Stops, share: f32) -> [f32; 4] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shade::{tint, to_srgb};
+    use super::super::light::{tint, to_srgb};
     use super::*;
 
     fn bytes(style: &Style, height_m: f32) -> [u8; 3] {

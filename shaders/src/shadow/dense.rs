@@ -47,28 +47,7 @@ impl Dense {
     /// # Errors
     /// A damaged tile.
     pub fn from_tiles(planet: &Planet, tiles: &Tiles<'_>, level: u32) -> Result<Self, FormatError> {
-        let grid = tiles.relief().grid();
-        let (columns, rows) = (grid.width(level) as usize, grid.height(level) as usize);
-        let stride = columns + 1;
-        let mut nodes_m = vec![0.0; stride * (rows + 1)];
-        let step_m = planet.step_m;
-        let side = TILE_CELLS as usize;
-        // Bands of one row of tiles; the northern edge belongs to the last one.
-        nodes_m.par_chunks_mut(stride * side).enumerate().try_for_each(|(band, out)| {
-            let y = band.min(grid.tiles_y(level) as usize - 1);
-            for x in 0..grid.tiles_x(level) as usize {
-                let samples = tiles.nodes(TileKey::new(level, x as u32, y as u32))?;
-                for (row, out) in out.chunks_mut(stride).enumerate() {
-                    let row = row + (band - y) * side;
-                    let samples = &samples[row * TILE_NODES..][..TILE_NODES];
-                    for (out, &q) in out[x * side..][..TILE_NODES].iter_mut().zip(samples) {
-                        *out = q as f32 * step_m;
-                    }
-                }
-            }
-            Ok::<_, FormatError>(())
-        })?;
-        Ok(Self::from_nodes(planet, level, nodes_m))
+        Ok(Self::from_nodes(planet, level, nodes_of(planet, tiles, level)?))
     }
 
     /// Columns of cells.
@@ -119,6 +98,35 @@ impl Dense {
         });
         out
     }
+}
+
+/// The nodes of a level of a file, (columns + 1) x (rows + 1), south row first, in metres.
+///
+/// # Errors
+/// A damaged tile.
+pub fn nodes_of(planet: &Planet, tiles: &Tiles<'_>, level: u32) -> Result<Vec<f32>, FormatError> {
+    let grid = tiles.relief().grid();
+    let (columns, rows) = (grid.width(level) as usize, grid.height(level) as usize);
+    let stride = columns + 1;
+    let mut nodes_m = vec![0.0; stride * (rows + 1)];
+    let step_m = planet.step_m;
+    let side = TILE_CELLS as usize;
+    // Bands of one row of tiles; the northern edge belongs to the last one.
+    nodes_m.par_chunks_mut(stride * side).enumerate().try_for_each(|(band, out)| {
+        let y = band.min(grid.tiles_y(level) as usize - 1);
+        for x in 0..grid.tiles_x(level) as usize {
+            let samples = tiles.nodes(TileKey::new(level, x as u32, y as u32))?;
+            for (row, out) in out.chunks_mut(stride).enumerate() {
+                let row = row + (band - y) * side;
+                let samples = &samples[row * TILE_NODES..][..TILE_NODES];
+                for (out, &q) in out[x * side..][..TILE_NODES].iter_mut().zip(samples) {
+                    *out = q as f32 * step_m;
+                }
+            }
+        }
+        Ok::<_, FormatError>(())
+    })?;
+    Ok(nodes_m)
 }
 
 fn coarser_extremes(finer: &[[f32; 2]], finer_half: usize, finer_rows: usize) -> Vec<[f32; 2]> {

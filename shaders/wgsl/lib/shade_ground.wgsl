@@ -37,11 +37,8 @@ fn height_near_m(level: u32, s: u32, t: u32, home: TilePlace, page: u32) -> f32 
     return height_m(level, s, t);
 }
 
-// The level of the finest page at `level` or coarser. The page is asked for; all above it then count
-// as used.
-fn finest_level(level: u32, s: u32, t: u32) -> u32 {
-    let first = tile_place(level, s, t);
-    ask_page(level, first.x, first.y);
+// The level of the finest page at `level` or coarser.
+fn finest_page(level: u32, s: u32, t: u32) -> u32 {
     for (var k = level; k < planet.root_level; k++) {
         let at = tile_place(k, s, t);
         if find_page(k, at.x, at.y) != NONE {
@@ -49,6 +46,13 @@ fn finest_level(level: u32, s: u32, t: u32) -> u32 {
         }
     }
     return planet.root_level;
+}
+
+// The same; the page is asked for, and all above it then count as used.
+fn finest_level(level: u32, s: u32, t: u32) -> u32 {
+    let first = tile_place(level, s, t);
+    ask_page(level, first.x, first.y);
+    return finest_page(level, s, t);
 }
 
 fn ground(level: u32, s: u32, t: u32, per_unit: vec2<f32>) -> Ground {

@@ -22,7 +22,8 @@ struct Style {
 @group(1) @binding(1) var<uniform> style: Style;
 
 const NO_OVERLAY: u32 = 0u;
-const WIREFRAME: u32 = 1u;
 const DETAIL: u32 = 2u;
+const PAGES: u32 = 3u;
+const ERROR: u32 = 4u;
 const NO_SHADOW: u32 = 0u;
 const SEA_GRID: u32 = 2u;

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
+use relief_formats::tiles::Tiles;
 use relief_front::error::ToolError;
 use relief_front::window::Rectangle;
 use relief_runtime::cpu::Cpu;
@@ -11,7 +12,7 @@ use relief_runtime::gpu::{Gpu, ShadowMasks};
 use relief_runtime::planet::Planet;
 use relief_runtime::shadow::{Mask, ShadowWindow, WindowCounts, mask_in_ram, sun_of};
 use relief_runtime::view::Sun;
-use relief_shaders::shadow::dense::Dense;
+use relief_shaders::shadow::dense::nodes_of;
 use relief_shaders::shadow::sweep::{PlaneNodes, sweep_mask};
 
 use super::parts::{Whole, parts};
@@ -20,15 +21,23 @@ use crate::errors::{of_device, of_render};
 
 /// Longest wait for the pages of a part.
 const WAIT: Duration = Duration::from_secs(600);
-/// A plane's level is swept whole when it takes no more than this, with its bounds.
+/// A plane's level is swept whole when its nodes take no more than this.
 const SWEPT_BYTES: u64 = 4 << 30;
 
 /// What makes the masks of a level.
 pub enum Caster {
     /// All rays of one direction over a plane at once, hard edges only.
-    Sweep(Arc<Planet>, Dense),
+    Sweep(Sweep),
     /// A ray from each node.
     Rays(Rays),
+}
+
+/// A level of a plane in RAM.
+pub struct Sweep {
+    planet: Arc<Planet>,
+    level: u32,
+    /// (columns + 1) x (rows + 1), south row first.
+    nodes_m: Vec<f32>,
 }
 
 /// A backend and the level its rays start from.
@@ -59,12 +68,14 @@ impl Caster {
         single: bool,
     ) -> Result<Self, ToolError> {
         let grid = planet.grid();
-        let bytes = 20 * u64::from(grid.width(level)) * u64::from(grid.height(level)) / 3;
+        let bytes = 4 * u64::from(grid.width(level)) * u64::from(grid.height(level));
         let failed = of_render(path);
         let kernel = match backend {
             Backend::Cpu if grid.plane && !single && bytes <= SWEPT_BYTES => {
-                let dense = Dense::from_tiles(&planet.uniform(), planet.tiles(), level);
-                return Ok(Self::Sweep(planet, dense.map_err(ToolError::of_file(path))?));
+                // Each tile is read once: the planet's own cache would only keep them.
+                let nodes_m = nodes_of(&planet.uniform(), &Tiles::new(planet.relief(), 0), level);
+                let nodes_m = nodes_m.map_err(ToolError::of_file(path))?;
+                return Ok(Self::Sweep(Sweep { planet, level, nodes_m }));
             }
             Backend::Cpu => Kernel::Cpu(Box::new(Cpu::new(Arc::clone(&planet), ATLAS_BYTES).map_err(failed)?)),
             Backend::Gpu(device) => {
@@ -89,7 +100,7 @@ impl Caster {
     ) -> Result<(Vec<u8>, Option<WindowCounts>), ToolError> {
         let sun = sun_of(sun, radius_deg);
         match self {
-            Self::Sweep(planet, dense) => Ok((swept(planet, dense, [sun[0], sun[1], sun[2]], rectangle), None)),
+            Self::Sweep(sweep) => Ok((sweep.mask([sun[0], sun[1], sun[2]], rectangle), None)),
             Self::Rays(rays) => rays.mask(sun, air as f32, rectangle).map(|(mask, counts)| (mask, Some(counts))),
         }
     }
@@ -127,19 +138,21 @@ impl Rays {
     }
 }
 
-/// Rays of one direction, all at once.
-fn swept(planet: &Planet, dense: &Dense, towards: [f32; 3], rectangle: Rectangle) -> Vec<u8> {
-    let uniform = planet.uniform();
-    let units = f64::from(1u32 << (31 - uniform.m + dense.level()));
-    let nodes = PlaneNodes {
-        samples: dense.nodes_m(),
-        unit_m: 1.0,
-        columns: dense.columns(),
-        rows: dense.rows(),
-        spacing_m: [uniform.unit_x_m, uniform.unit_y_m].map(|unit_m| f64::from(unit_m) * units),
-    };
-    let (lit, _) = sweep_mask::<false, f32>(&nodes, towards);
-    let (column, columns) = (rectangle.column as usize, rectangle.columns as usize);
-    let rows = (rectangle.row..rectangle.row + rectangle.rows).rev();
-    rows.flat_map(|y| &lit[y as usize * nodes.columns + column..][..columns]).map(|&lit| 255 * lit).collect()
+impl Sweep {
+    /// Rays of one direction, all at once.
+    fn mask(&self, towards: [f32; 3], rectangle: Rectangle) -> Vec<u8> {
+        let (uniform, grid) = (self.planet.uniform(), self.planet.grid());
+        let units = f64::from(1u32 << (31 - uniform.m + self.level));
+        let nodes = PlaneNodes {
+            samples: &self.nodes_m,
+            unit_m: 1.0,
+            columns: grid.width(self.level) as usize,
+            rows: grid.height(self.level) as usize,
+            spacing_m: [uniform.unit_x_m, uniform.unit_y_m].map(|unit_m| f64::from(unit_m) * units),
+        };
+        let (lit, _) = sweep_mask::<false, f32>(&nodes, towards);
+        let (column, columns) = (rectangle.column as usize, rectangle.columns as usize);
+        let rows = (rectangle.row..rectangle.row + rectangle.rows).rev();
+        rows.flat_map(|y| &lit[y as usize * nodes.columns + column..][..columns]).map(|&lit| 255 * lit).collect()
+    }
 }

@@ -34,7 +34,9 @@ pub struct Args {
     /// need --token-file
     #[arg(long, env = "RELIEFD_LISTEN", value_name = "ADDRESS:PORT|auto", default_value = "127.0.0.1:7878")]
     pub listen: Listen,
-    /// Also a Unix socket for viewers on this machine: payloads in shared memory
+    /// Also a Unix socket for viewers on this machine, who get their pictures in shared memory; only
+    /// its owner may open it
+    #[cfg(target_os = "linux")]
     #[arg(long, env = "RELIEFD_UNIX", value_name = "PATH")]
     pub unix: Option<PathBuf>,
     /// A file whose first line viewers must show as their token

@@ -65,7 +65,9 @@ fn args(view: &View) -> Result<ViewArgs, Fault> {
         overlay: match view.overlay {
             protocol::Overlay::None => None,
             protocol::Overlay::Wireframe => Some(OverlayChoice::Wireframe),
-            protocol::Overlay::Lod | protocol::Overlay::Pages | protocol::Overlay::Error => Some(OverlayChoice::Lod),
+            protocol::Overlay::Lod => Some(OverlayChoice::Lod),
+            protocol::Overlay::Pages => Some(OverlayChoice::Pages),
+            protocol::Overlay::Error => Some(OverlayChoice::Error),
         },
     })
 }
@@ -96,6 +98,8 @@ pub fn view_of(args: &ViewArgs) -> View {
             None => protocol::Overlay::None,
             Some(OverlayChoice::Wireframe) => protocol::Overlay::Wireframe,
             Some(OverlayChoice::Lod) => protocol::Overlay::Lod,
+            Some(OverlayChoice::Pages) => protocol::Overlay::Pages,
+            Some(OverlayChoice::Error) => protocol::Overlay::Error,
         },
     }
 }

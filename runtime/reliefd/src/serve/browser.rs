@@ -5,7 +5,8 @@ use std::process::{Command, Stdio};
 
 /// Opens an address with `xdg-open`, where the daemon was started in a terminal beside a display.
 pub fn open(address: &str, headless: bool) {
-    let display = ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()));
+    let display =
+        ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()));
     if !wanted(headless, std::io::stdout().is_terminal(), display) {
         return;
     }

@@ -225,6 +225,8 @@ impl Listener for Ear {
     }
 
     fn fault(&self, fault: Fault) {
+        // All viewers hear of it, those who look at other planets too.
+        let fault = Fault { what: format!("{}: {}", self.name, fault.what), ..fault };
         tracing::warn!(planet = self.name, code = ?fault.code, "{}", fault.what);
         self.meters.planet_fault(&self.name, fault.code);
         let _ = self.news.send(ToViewer::Error(fault));

@@ -9,13 +9,18 @@ mod heights;
 mod http;
 mod hub;
 mod listen;
+#[cfg(target_os = "linux")]
+mod local;
 mod logs;
 mod meters;
 mod notify;
+mod patience;
 mod planets;
 mod session;
 mod stop;
 mod token;
+mod truncated;
+mod watch;
 
 use std::net::TcpListener;
 use std::sync::Arc;
@@ -25,6 +30,7 @@ use relief_front::error::ToolError;
 use relief_front::stdout::print;
 use relief_protocol::to_viewer::ToViewer;
 use tokio::sync::Semaphore;
+use tokio::task::JoinHandle;
 
 use crate::Outcome;
 use http::connections::Connections;
@@ -50,6 +56,8 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     let listeners = listen::listeners(args.listen, token.is_some())?;
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
+        // They pack pictures; more than these would only hold more of them.
+        .max_blocking_threads(64)
         .build()
         .map_err(|error| cannot("start its threads", &error))?;
     let hub = Arc::new(planets::hub(args, token.as_deref())?);
@@ -72,6 +80,8 @@ async fn serve(args: &Args, hub: &Arc<Hub>, listeners: Vec<TcpListener>) -> Resu
         tokio::spawn(taking);
     }
     drop(connections);
+    let local_viewers = local_viewers(args, hub, &stop)?;
+    let watched = tokio::spawn(watch::watch(Arc::clone(hub)));
     let watchdog = tokio::spawn(notify::watchdog(Arc::clone(hub)));
     for address in &addresses {
         print(&format!("{address}\n"))?;
@@ -84,9 +94,12 @@ async fn serve(args: &Args, hub: &Arc<Hub>, listeners: Vec<TcpListener>) -> Resu
     tracing::info!("{name}: ending");
     notify::stopping();
     watchdog.abort();
+    watched.abort();
     stop.begin();
     hub.tell(ToViewer::Bye { reason: "the daemon is ending".into() });
     let ended = tokio::time::timeout(ENDING, async {
+        // The socket's file goes with its listener.
+        let _ = local_viewers.await;
         hub.emptied().await;
         // All that is in work has given its permit back.
         let _ = room.acquire_many(args.max_requests).await;
@@ -96,6 +109,26 @@ async fn serve(args: &Args, hub: &Arc<Hub>, listeners: Vec<TcpListener>) -> Resu
         tracing::warn!("viewers or requests were left after {} s", ENDING.as_secs());
     }
     Ok(())
+}
+
+/// Takes viewers at the Unix socket, if there is to be one, until the daemon ends.
+#[cfg(target_os = "linux")]
+fn local_viewers(args: &Args, hub: &Arc<Hub>, stop: &Stop) -> Result<JoinHandle<()>, ToolError> {
+    let listener = args.unix.as_deref().map(local::Listener::bind).transpose()?;
+    let (hub, stop) = (Arc::clone(hub), stop.clone());
+    Ok(tokio::spawn(async move {
+        if let Some(listener) = listener {
+            tokio::select! {
+                () = listener.serve(hub) => {}
+                () = stop.wait() => {}
+            }
+        }
+    }))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn local_viewers(_: &Args, _: &Arc<Hub>, _: &Stop) -> Result<JoinHandle<()>, ToolError> {
+    Ok(tokio::spawn(std::future::ready(())))
 }
 
 /// What the system refused.

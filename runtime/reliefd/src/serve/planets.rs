@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use relief_formats::file::Relief;
 use relief_front::error::ToolError;
 use relief_runtime::planet::Planet;
 
+use super::Args;
 use super::cannot;
 use super::engine::{Engine, Limits, StartError};
 use super::hub::{Hub, Served};
 use super::meters::Meters;
-use super::Args;
+use super::truncated;
 use crate::backend::Backend;
 use crate::errors::{of_render, opened};
 
@@ -45,8 +45,12 @@ pub fn hub(args: &Args, token: Option<&str>) -> Result<Hub, ToolError> {
     Ok(hub)
 }
 
-fn open(path: &Path, cache_bytes: u64) -> Result<Arc<Planet>, ToolError> {
-    let relief = Relief::open(path).map_err(ToolError::of_file(path))?;
+/// Opens a file as a planet, keeping up to `cache_bytes` of decoded samples.
+///
+/// # Errors
+/// A file that cannot be served.
+pub fn open(path: &Path, cache_bytes: u64) -> Result<Arc<Planet>, ToolError> {
+    let relief = truncated::open(path).map_err(ToolError::of_file(path))?;
     Planet::new(relief, cache_bytes).map_err(opened(path))
 }
 

@@ -92,8 +92,10 @@ fn overlays_and_schemes_differ() {
         png(&folder.path("a.png")).3
     };
     let plain = frame("");
-    assert!(plain != frame("--overlay wireframe"));
-    assert!(frame("--overlay wireframe") != frame("--overlay lod"));
+    let overlays = ["wireframe", "lod", "pages", "error"].map(|overlay| frame(&format!("--overlay {overlay}")));
+    for (k, overlay) in overlays.iter().enumerate() {
+        assert!(*overlay != plain && !overlays[..k].contains(overlay), "{k}");
+    }
     assert!(plain != frame("--time 2026-06-21T22:00:00Z"), "night");
     assert!(frame("--scheme paper").len() == plain.len());
 }

@@ -2,9 +2,10 @@
 //!
 //! Work goes in rounds. In each, every client has at most one of its cameras drawn, the one that
 //! waited longest; then tiles are loaded within the time budget. So a client with many cameras slows
-//! itself, not others.
+//! itself, not others. Nor does a client get more pictures than it takes: two at a time may be on
+//! their way to it.
 
-use std::collections::{BTreeMap, HashSet, VecDeque};
+use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -12,7 +13,11 @@ use relief_runtime::planet::Planet;
 use relief_runtime::residency::Progress;
 
 use super::drawer::Drawer;
-use super::slot::{Ask, Loads, Sink, Slot};
+use super::slot::{Ask, Sink, Slot};
+
+/// Pictures of a client that are drawn, packed or sent: this, not its cameras, bounds the memory that
+/// a client who reads slowly takes.
+const MOST_ON_THEIR_WAY: usize = 2;
 
 /// Work of another kind, on the engine's thread.
 pub type Task = Box<dyn FnOnce(&mut Drawer) + Send>;
@@ -41,10 +46,9 @@ struct State {
     /// Clients that had their turn in this round.
     served: HashSet<u64>,
     draws: u64,
-    loads: Loads,
     /// The last frames asked for tiles that are not there, and more may come.
     missing: bool,
-    /// Nothing more will come.
+    /// Nothing more will come, for the views as they are.
     stuck: bool,
 }
 
@@ -74,17 +78,28 @@ impl Board {
     pub fn add(&self, client: u64, sink: Sink) -> u64 {
         self.change(|state| {
             state.next_slot += 1;
-            state.slots.insert(state.next_slot, Slot::new(client, sink));
+            if !state.stopped {
+                state.slots.insert(state.next_slot, Slot::new(client, sink));
+            }
             state.next_slot
         })
     }
 
     pub fn remove(&self, slot: u64) {
-        self.change(|state| state.slots.remove(&slot));
+        // The sink is dropped without the lock: it may hold anything.
+        let _removed = self.change(|state| {
+            state.views_changed();
+            state.slots.remove(&slot)
+        });
     }
 
     pub fn ask(&self, slot: u64, ask: Ask) {
-        self.slot(slot, |slot| slot.ask(ask));
+        self.change(|state| {
+            state.views_changed();
+            if let Some(slot) = state.slots.get_mut(&slot) {
+                slot.ask(ask);
+            }
+        });
     }
 
     pub fn acknowledge(&self, slot: u64, seq: u64) {
@@ -92,7 +107,11 @@ impl Board {
     }
 
     pub fn run(&self, client: u64, task: Task) {
-        self.change(|state| state.tasks.push_back((client, task)));
+        self.change(|state| {
+            if !state.stopped {
+                state.tasks.push_back((client, task));
+            }
+        });
     }
 
     pub fn replace(&self, planet: Arc<Planet>) {
@@ -101,6 +120,19 @@ impl Board {
 
     pub fn stop(&self) {
         self.change(|state| state.stopped = true);
+    }
+
+    /// Nobody works here any more: all who wait are told so by their sinks' and tasks' end.
+    pub fn close(&self) {
+        let _dropped = self.change(|state| {
+            state.stopped = true;
+            (std::mem::take(&mut state.slots), std::mem::take(&mut state.tasks))
+        });
+    }
+
+    /// Cameras whose views lack tiles.
+    pub fn lacking(&self) -> HashSet<u64> {
+        self.lock().slots.iter().filter(|(_, slot)| slot.is_lacking()).map(|(&number, _)| number).collect()
     }
 
     /// Cameras and tasks that are there.
@@ -113,7 +145,7 @@ impl Board {
     pub fn again(&self) {
         self.change(|state| {
             state.slots.values_mut().for_each(Slot::again);
-            state.stuck = false;
+            state.views_changed();
         });
     }
 
@@ -123,9 +155,8 @@ impl Board {
             let lacks = tiles_missing > 0;
             state.missing |= lacks && !state.stuck;
             let early = until.is_some_and(|until| lacks && !state.stuck && Instant::now() < until);
-            let lacking = lacks.then_some(state.loads);
             if let Some(slot) = state.slots.get_mut(&slot) {
-                slot.drawn(lacking, !early);
+                slot.drawn(tiles_missing, !early);
             }
             !early
         })
@@ -141,16 +172,17 @@ impl Board {
         self.slot(slot, Slot::forget);
     }
 
-    /// Tiles came in, or nothing is left to come.
-    pub fn loaded(&self, progress: &Progress) {
+    /// Tiles came in, or nothing is left to come; `left` says of cameras how many of the tiles that
+    /// they lacked are still to come.
+    pub fn loaded(&self, progress: &Progress, left: &[(u64, usize)]) {
         self.change(|state| {
-            state.loads.some += u64::from(progress.loaded > 0);
-            let stuck = progress.full && progress.loaded == 0;
-            if stuck || progress.missing == 0 {
-                state.loads.all += 1;
-                state.missing = false;
+            state.stuck = progress.full && progress.loaded == 0;
+            state.missing = progress.missing > 0 && !state.stuck;
+            for (slot, left) in left {
+                if let Some(slot) = state.slots.get_mut(slot) {
+                    slot.loaded(*left, state.stuck);
+                }
             }
-            state.stuck = stuck;
         });
     }
 
@@ -187,6 +219,11 @@ impl Board {
 }
 
 impl State {
+    /// Other tiles may be wanted now, or find room.
+    fn views_changed(&mut self) {
+        self.missing |= std::mem::take(&mut self.stuck);
+    }
+
     /// The next client's turn in this round.
     fn turn(&mut self, now: Instant) -> Option<Next> {
         if let Some(at) = self.tasks.iter().position(|(client, _)| !self.served.contains(client))
@@ -195,9 +232,16 @@ impl State {
             self.served.insert(client);
             return Some(Next::Run(task));
         }
-        let (served, loads) = (&self.served, self.loads);
-        let ready =
-            self.slots.iter_mut().filter(|(_, slot)| !served.contains(&slot.client) && slot.is_ready(loads, now));
+        let mut on_their_way: HashMap<u64, usize> = HashMap::new();
+        for slot in self.slots.values().filter(|slot| slot.is_busy()) {
+            *on_their_way.entry(slot.client).or_default() += 1;
+        }
+        let may = |slot: &Slot| {
+            !self.served.contains(&slot.client)
+                && on_their_way.get(&slot.client).is_none_or(|&count| count < MOST_ON_THEIR_WAY)
+                && slot.is_ready(now)
+        };
+        let ready = self.slots.iter_mut().filter(|(_, slot)| may(slot));
         let (&number, slot) = ready.min_by_key(|(_, slot)| slot.drawn)?;
         self.draws += 1;
         let (ask, seq) = slot.start(self.draws)?;
@@ -260,9 +304,9 @@ mod tests {
         board.handed_over(slot);
         assert!(matches!(board.next(), Next::Load));
         // Nothing came yet: go on.
-        board.loaded(&Progress { missing: 3, ..Progress::default() });
+        board.loaded(&Progress { missing: 3, ..Progress::default() }, &[(slot, 3)]);
         assert!(matches!(board.next(), Next::Load));
-        board.loaded(&Progress { loaded: 2, missing: 1, ..Progress::default() });
+        board.loaded(&Progress { loaded: 2, missing: 1, ..Progress::default() }, &[(slot, 1)]);
         assert!(matches!(board.next(), Next::Draw { seq: 2, .. }));
         board.stop();
         assert!(matches!(board.next(), Next::Stop));
@@ -277,8 +321,56 @@ mod tests {
         assert!(matches!(board.next(), Next::Draw { .. }));
         assert!(!board.drawn(slot, Some(until), 1), "it is kept back");
         assert!(matches!(board.next(), Next::Load));
-        board.loaded(&Progress { missing: 1, full: true, ..Progress::default() });
+        board.loaded(&Progress { missing: 1, full: true, ..Progress::default() }, &[(slot, 1)]);
         assert!(matches!(board.next(), Next::Draw { .. }));
         assert!(board.drawn(slot, Some(until), 1), "nothing more will come");
+    }
+
+    #[test]
+    fn loading_that_was_stuck_goes_on_with_another_view() {
+        let board = Board::default();
+        let [slot, other] = [1, 2].map(|client| board.add(client, Arc::new(|_| ())));
+        board.ask(slot, ask(1));
+        assert!(matches!(board.next(), Next::Draw { .. }));
+        board.drawn(slot, None, 9);
+        board.loaded(&Progress { missing: 9, full: true, ..Progress::default() }, &[(slot, 9)]);
+        board.ask(other, ask(1));
+        assert!(matches!(board.next(), Next::Draw { .. }));
+        board.drawn(other, None, 1);
+        assert!(matches!(board.next(), Next::Load));
+        assert_eq!(board.lacking(), HashSet::from([slot, other]));
+    }
+
+    #[test]
+    fn a_client_has_two_pictures_on_their_way_and_no_more() {
+        let board = Board::default();
+        let slots = [(); 3].map(|()| board.add(1, Arc::new(|_| ())));
+        slots.iter().for_each(|&slot| board.ask(slot, ask(1)));
+        let started = |board: &Board| match board.lock().turn(Instant::now()) {
+            Some(Next::Draw { slot, .. }) => Some(slot),
+            _ => None,
+        };
+        for slot in &slots[..2] {
+            assert_eq!(started(&board), Some(*slot));
+            board.drawn(*slot, None, 0);
+            board.lock().served.clear();
+        }
+        assert_eq!(started(&board), None);
+        board.handed_over(slots[0]);
+        assert_eq!(started(&board), Some(slots[2]));
+    }
+
+    #[test]
+    fn who_waits_at_a_board_that_closes_is_told() {
+        let board = Board::default();
+        let (alive, waits) = (Arc::new(()), Arc::new(()));
+        let (in_sink, in_task) = (Arc::clone(&alive), Arc::clone(&waits));
+        board.add(1, Arc::new(move |_| drop(Arc::clone(&in_sink))));
+        board.run(1, Box::new(move |_| drop(in_task)));
+        assert_eq!((Arc::strong_count(&alive), Arc::strong_count(&waits)), (2, 2));
+        board.close();
+        assert_eq!((Arc::strong_count(&alive), Arc::strong_count(&waits)), (1, 1));
+        board.run(1, Box::new(|_| ()));
+        assert_eq!(board.len(), 0);
     }
 }

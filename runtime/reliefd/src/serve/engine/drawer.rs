@@ -3,10 +3,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use relief_formats::file::FormatError;
 use relief_formats::tile::TileKey;
 use relief_runtime::cpu::Cpu;
 use relief_runtime::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings};
-use relief_runtime::gpu::{Device, DeviceError, Gpu, ShadowMasks};
+use relief_runtime::gpu::{DeviceError, Gpu, ShadowMasks};
 use relief_runtime::planet::Planet;
 use relief_runtime::residency::Progress;
 use relief_runtime::shadow::{Mask, ShadowWindow, mask_in_ram};
@@ -17,7 +18,7 @@ use crate::backend::Backend;
 /// A resident set and what draws from it.
 pub enum Drawer {
     /// On a GPU; the pipeline of masks is made when one is asked for.
-    Gpu(Box<Gpu>, Device, Option<Box<ShadowMasks>>),
+    Gpu(Box<Gpu>, Option<Box<ShadowMasks>>),
     /// On all cores.
     Cpu(Box<Cpu>),
 }
@@ -31,7 +32,7 @@ impl Drawer {
         Ok(match backend {
             Backend::Gpu(device) => {
                 let gpu = Gpu::new(device, Arc::clone(planet), atlas_bytes)?;
-                Self::Gpu(Box::new(gpu), device.clone(), None)
+                Self::Gpu(Box::new(gpu), None)
             }
             Backend::Cpu => Self::Cpu(Box::new(Cpu::new(Arc::clone(planet), atlas_bytes)?)),
         })
@@ -39,7 +40,7 @@ impl Drawer {
 
     fn renderer(&mut self) -> &mut dyn Renderer {
         match self {
-            Self::Gpu(gpu, ..) => &mut **gpu,
+            Self::Gpu(gpu, _) => &mut **gpu,
             Self::Cpu(cpu) => &mut **cpu,
         }
     }
@@ -47,7 +48,7 @@ impl Drawer {
     /// Pages in the atlas.
     pub fn resident(&self) -> usize {
         match self {
-            Self::Gpu(gpu, ..) => gpu.resident().count(),
+            Self::Gpu(gpu, _) => gpu.resident().count(),
             Self::Cpu(cpu) => cpu.resident().count(),
         }
     }
@@ -68,10 +69,10 @@ impl Drawer {
     /// What the device says.
     pub fn mask(&mut self, window: &ShadowWindow, time: Duration) -> Result<Mask, DeviceError> {
         match self {
-            Self::Gpu(gpu, device, masks) => {
+            Self::Gpu(gpu, masks) => {
                 let made = match masks.take() {
                     Some(made) => made,
-                    None => Box::new(ShadowMasks::new(device)?),
+                    None => Box::new(ShadowMasks::new(gpu.device())?),
                 };
                 masks.insert(made).of(gpu.resident_mut(), window, time)
             }
@@ -84,8 +85,50 @@ impl Drawer {
         self.renderer().update(budget)
     }
 
-    /// See [`Renderer::damaged`].
-    pub fn damaged(&mut self) -> Vec<(TileKey, String)> {
-        self.renderer().damaged()
+    /// Pages that the last picture lacked; see `Resident::lacked`.
+    pub fn lacked(&self) -> Vec<u32> {
+        match self {
+            Self::Gpu(gpu, _) => gpu.resident().lacked().to_vec(),
+            Self::Cpu(cpu) => cpu.resident().lacked().to_vec(),
+        }
+    }
+
+    /// Asks for pages again that an earlier picture lacked.
+    pub fn ask(&mut self, pages: &[u32]) {
+        let pages = pages.iter().copied();
+        match self {
+            Self::Gpu(gpu, _) => gpu.resident_mut().ask(pages),
+            Self::Cpu(cpu) => cpu.resident_mut().ask(pages),
+        };
+    }
+
+    /// How many of these pages are still to come.
+    pub fn still_lacks(&self, pages: &[u32]) -> usize {
+        match self {
+            Self::Gpu(gpu, _) => gpu.resident().still_lacks(pages),
+            Self::Cpu(cpu) => cpu.resident().still_lacks(pages),
+        }
+    }
+
+    /// Tiles that cannot be read: how many, and why one of them.
+    pub fn damaged(&self) -> (usize, Option<String>) {
+        fn of<'a>(tiles: impl Iterator<Item = (TileKey, &'a FormatError)>) -> (usize, Option<String>) {
+            tiles.fold((0, None), |(count, said), (_, error)| (count + 1, said.or_else(|| Some(error.to_string()))))
+        }
+        match self {
+            Self::Gpu(gpu, _) => of(gpu.resident().damaged()),
+            Self::Cpu(cpu) => of(cpu.resident().damaged()),
+        }
+    }
+
+    /// What went wrong with the device outside any call; nothing can be drawn with it any more.
+    ///
+    /// # Errors
+    /// See `Device::check`.
+    pub fn check(&self) -> Result<(), DeviceError> {
+        match self {
+            Self::Gpu(gpu, _) => gpu.device().check(),
+            Self::Cpu(_) => Ok(()),
+        }
     }
 }

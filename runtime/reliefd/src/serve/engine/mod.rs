@@ -22,7 +22,7 @@ use board::Board;
 use work::Worker;
 
 pub use drawer::Drawer;
-pub use picture::Picture;
+pub use picture::{Hold, Picture};
 pub use slot::{Ask, Sink};
 
 /// What an engine may use.

@@ -9,7 +9,7 @@ use relief_runtime::view::View;
 
 use super::board::Board;
 
-/// A picture, not yet packed. While it lives its camera is not drawn again.
+/// A picture, not yet packed. While it or its hold lives its camera is not drawn again.
 pub struct Picture {
     /// The asker's number of the view.
     pub number: u64,
@@ -30,13 +30,20 @@ pub struct Picture {
     /// What it cost.
     pub stats: Stats,
     /// Lets the camera be drawn again.
-    pub(super) _hold: Hold,
+    pub(super) hold: Arc<Hold>,
+}
+
+impl Picture {
+    /// While this lives, too, the camera is not drawn again.
+    pub fn hold(&self) -> Arc<Hold> {
+        Arc::clone(&self.hold)
+    }
 }
 
 /// Says at its end that a picture was handed over.
-pub(super) struct Hold {
-    pub board: Arc<Board>,
-    pub slot: u64,
+pub struct Hold {
+    pub(super) board: Arc<Board>,
+    pub(super) slot: u64,
 }
 
 impl Drop for Hold {

@@ -37,8 +37,10 @@ pub(super) struct Slot {
     ask: Option<Ask>,
     /// The ask was not drawn yet.
     fresh: bool,
-    /// The last picture lacked tiles; the number of loads by then.
-    lacking: Option<Loads>,
+    /// Tiles that the last picture of the view lacked; none when it was whole.
+    lacking: Option<usize>,
+    /// A better picture than the last can be drawn.
+    better: bool,
     sent: u64,
     acknowledged: u64,
     /// A picture is being drawn or handed over.
@@ -47,22 +49,37 @@ pub(super) struct Slot {
     pub drawn: u64,
 }
 
-/// How often tiles came in, and how often nothing was left to come.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Loads {
-    pub some: u64,
-    pub all: u64,
-}
-
 impl Slot {
     pub fn new(client: u64, sink: Sink) -> Self {
-        Self { client, sink, ask: None, fresh: false, lacking: None, sent: 0, acknowledged: 0, busy: false, drawn: 0 }
+        Self {
+            client,
+            sink,
+            ask: None,
+            fresh: false,
+            lacking: None,
+            better: false,
+            sent: 0,
+            acknowledged: 0,
+            busy: false,
+            drawn: 0,
+        }
     }
 
     /// The latest view wins.
     pub fn ask(&mut self, ask: Ask) {
         self.ask = Some(ask);
         self.fresh = true;
+        self.lacking = None;
+    }
+
+    /// True while a picture is drawn or handed over.
+    pub fn is_busy(&self) -> bool {
+        self.busy
+    }
+
+    /// True while its view lacks tiles.
+    pub fn is_lacking(&self) -> bool {
+        self.lacking.is_some()
     }
 
     /// The same view again, as after a new file.
@@ -74,16 +91,21 @@ impl Slot {
         self.acknowledged = self.acknowledged.max(seq.min(self.sent));
     }
 
-    pub fn is_ready(&self, loads: Loads, now: Instant) -> bool {
-        let Some(ask) = &self.ask else { return false };
-        if self.busy || self.sent - self.acknowledged >= MOST_UNACKNOWLEDGED {
+    pub fn is_ready(&self, now: Instant) -> bool {
+        if self.ask.is_none() || self.busy || self.sent - self.acknowledged >= MOST_UNACKNOWLEDGED {
             return false;
         }
-        let better = self.lacking.is_some_and(|then| match ask.until {
-            None => then.some != loads.some,
-            Some(until) => then.all != loads.all || until <= now,
-        });
-        self.fresh || better
+        self.fresh || self.better || self.due().is_some_and(|due| due <= now)
+    }
+
+    /// So many of its tiles are still to come, and none will where loading is stuck.
+    pub fn loaded(&mut self, left: usize, stuck: bool) {
+        let (Some(lacking), Some(ask)) = (&mut self.lacking, &self.ask) else { return };
+        self.better |= match ask.until {
+            None => left < *lacking,
+            Some(_) => left == 0 || stuck,
+        };
+        *lacking = left;
     }
 
     /// Takes the view to be drawn, and its picture's number.
@@ -91,13 +113,16 @@ impl Slot {
         let ask = self.ask.clone()?;
         self.busy = true;
         self.fresh = false;
+        self.better = false;
         self.drawn = draws;
         Some((ask, self.sent + 1))
     }
 
     /// A picture was drawn: lacking tiles or not, sent or kept back.
-    pub fn drawn(&mut self, lacking: Option<Loads>, sent: bool) {
-        self.lacking = lacking;
+    pub fn drawn(&mut self, lacking: usize, sent: bool) {
+        if !self.fresh {
+            self.lacking = (lacking > 0).then_some(lacking);
+        }
         self.sent += u64::from(sent);
         // What was kept back is not handed over.
         self.busy = sent;
@@ -114,6 +139,7 @@ impl Slot {
             self.ask = None;
         }
         self.lacking = None;
+        self.better = false;
         self.busy = false;
     }
 
@@ -145,52 +171,62 @@ mod tests {
 
     #[test]
     fn the_latest_view_wins() {
-        let (mut slot, now, loads) = (slot(), Instant::now(), Loads::default());
-        assert!(!slot.is_ready(loads, now));
+        let (mut slot, now) = (slot(), Instant::now());
+        assert!(!slot.is_ready(now));
         slot.ask(ask(1, None));
         slot.ask(ask(2, None));
         assert_eq!(slot.start(1).map(|(ask, seq)| (ask.view, seq)), Some((2, 1)));
-        assert!(!slot.is_ready(loads, now), "it is being drawn");
+        assert!(!slot.is_ready(now), "it is being drawn");
         slot.ask(ask(3, None));
-        slot.drawn(None, true);
+        slot.drawn(5, true);
+        assert!(!slot.is_lacking(), "what an earlier view lacked is of no use");
         slot.free();
         assert_eq!(slot.start(2).map(|(ask, seq)| (ask.view, seq)), Some((3, 2)));
     }
 
     #[test]
     fn who_acknowledges_nothing_waits() {
-        let (mut slot, now, loads) = (slot(), Instant::now(), Loads::default());
+        let (mut slot, now) = (slot(), Instant::now());
         for k in 0..MOST_UNACKNOWLEDGED {
             slot.ask(ask(k, None));
-            assert!(slot.is_ready(loads, now));
+            assert!(slot.is_ready(now));
             slot.start(k);
-            slot.drawn(None, true);
+            slot.drawn(0, true);
             slot.free();
         }
         slot.ask(ask(9, None));
-        assert!(!slot.is_ready(loads, now));
+        assert!(!slot.is_ready(now));
         slot.acknowledge(1);
-        assert!(slot.is_ready(loads, now));
+        assert!(slot.is_ready(now));
         // A number that was never sent does not buy more.
         slot.acknowledge(1_000_000);
         assert_eq!(slot.acknowledged, MOST_UNACKNOWLEDGED);
     }
 
     #[test]
-    fn pictures_follow_while_tiles_come_in() {
+    fn pictures_follow_while_their_own_tiles_come_in() {
         let (mut slot, now) = (slot(), Instant::now());
-        let loads = |some, all| Loads { some, all };
         slot.ask(ask(1, None));
         slot.start(1);
-        slot.drawn(Some(loads(5, 2)), true);
+        slot.drawn(5, true);
         slot.free();
-        assert!(!slot.is_ready(loads(5, 2), now));
-        assert!(slot.is_ready(loads(6, 2), now));
-        // One picture only: not before all tiles have come, or the time.
-        slot.ask(ask(2, Some(now + Duration::from_secs(9))));
+        slot.loaded(5, false);
+        assert!(!slot.is_ready(now), "others' tiles came in");
+        slot.loaded(4, false);
+        assert!(slot.is_ready(now));
+        // One picture only: not before all tiles have come, or none will, or the time.
+        let later = now + Duration::from_secs(9);
+        slot.ask(ask(2, Some(later)));
         slot.start(2);
-        slot.drawn(Some(loads(6, 2)), false);
-        assert!(!slot.is_ready(loads(7, 2), now));
-        assert!(slot.is_ready(loads(7, 3), now) && slot.is_ready(loads(7, 2), now + Duration::from_secs(9)));
+        slot.drawn(5, false);
+        slot.loaded(1, false);
+        assert!(!slot.is_ready(now) && slot.is_ready(later));
+        let mut stuck = slot;
+        stuck.loaded(1, true);
+        assert!(stuck.is_ready(now));
+        stuck.start(3);
+        stuck.drawn(1, false);
+        stuck.loaded(0, false);
+        assert!(stuck.is_ready(now));
     }
 }

@@ -1,6 +1,7 @@
 //! The engine's thread.
 
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -21,6 +22,10 @@ use crate::serve::ask::{Asked, asked, of_draw};
 /// Waits between attempts to make a lost device anew.
 const RETRIES: [Duration; 4] =
     [Duration::ZERO, Duration::from_millis(200), Duration::from_secs(1), Duration::from_secs(5)];
+/// Views are refused for so long after all attempts failed: each round of them holds the others up.
+const GIVEN_UP: Duration = Duration::from_secs(30);
+/// Least time between two words on damaged tiles.
+const DAMAGE_TOLD: Duration = Duration::from_secs(2);
 
 pub(super) struct Worker {
     board: Arc<Board>,
@@ -29,8 +34,12 @@ pub(super) struct Worker {
     limits: Limits,
     listener: Box<dyn Listener>,
     backend: Backend,
-    /// Damaged tiles that were told of.
-    damaged: usize,
+    /// Damaged tiles that were told of, and when.
+    damaged: (usize, Option<Instant>),
+    /// Pages that slots' last pictures lacked.
+    lacked: BTreeMap<u64, Vec<u32>>,
+    /// No device could be had; none is tried for before this.
+    given_up: Option<(Instant, DeviceError)>,
 }
 
 impl Worker {
@@ -42,23 +51,58 @@ impl Worker {
         listener: Box<dyn Listener>,
     ) -> Result<Self, RenderError> {
         let drawer = Drawer::new(&backend, &planet, limits.atlas_bytes)?;
-        Ok(Self { board, planet, drawer, limits, listener, backend, damaged: 0 })
+        let (damaged, lacked) = ((0, None), BTreeMap::new());
+        Ok(Self { board, planet, drawer, limits, listener, backend, damaged, lacked, given_up: None })
     }
 
     pub fn run(mut self) {
+        // Whatever ends this thread, nobody waits for it.
+        let _closing = Closing(Arc::clone(&self.board));
         loop {
-            match self.board.next() {
-                Next::Draw { slot, ask, seq, sink } => self.draw(slot, &ask, seq, &sink),
-                Next::Run(task) => task(&mut self.drawer),
-                Next::Load => self.load(),
-                Next::Replace(planet) => self.replace(planet),
+            let (drawn, worked) = match self.board.next() {
+                Next::Draw { slot, ask, seq, sink } => {
+                    let worked = guarded(|| self.draw(slot, &ask, seq, &sink));
+                    (Some((slot, ask, sink)), worked)
+                }
+                Next::Run(task) => (None, guarded(|| task(&mut self.drawer))),
+                Next::Load => (None, guarded(|| self.load())),
+                Next::Replace(planet) => (None, guarded(|| self.replace(planet))),
                 Next::Stop => return,
+            };
+            if worked.is_err() {
+                self.fell(drawn);
             }
         }
     }
 
+    /// After a panic, which is a defect of ours: who asked is told, and all others go on with tiles
+    /// made anew.
+    fn fell(&mut self, drawn: Option<(u64, Ask, Sink)>) {
+        let fault = Fault::new(
+            Code::Internal,
+            "a view that the daemon fell over",
+            "every view is drawn or refused",
+            "tell whoever runs the daemon; its log says more. Other views are drawn on",
+        );
+        if let Some((slot, ask, sink)) = drawn {
+            self.board.forget(slot);
+            self.lacked.remove(&slot);
+            sink(Err(fault.at(ask.view)));
+        } else {
+            self.listener.fault(fault);
+        }
+        // Where that fails the old ones may still do.
+        let _ = guarded(|| self.renew(self.limits.backend));
+    }
+
     fn draw(&mut self, slot: u64, ask: &Ask, seq: u64, sink: &Sink) {
         let began = Instant::now();
+        if let Some((until, error)) = &self.given_up
+            && began < *until
+        {
+            self.board.forget(slot);
+            return sink(Err(of_draw(error.clone().into()).at(ask.view)));
+        }
         match self.picture(slot, ask, seq, began) {
             Ok(Some(picture)) => {
                 self.listener.drew(&picture);
@@ -69,6 +113,7 @@ impl Worker {
             Err(Failed::Device(error)) => {
                 let recovered = self.recover(&error);
                 self.board.handed_over(slot);
+                self.given_up = (!recovered).then(|| (Instant::now() + GIVEN_UP, error.clone()));
                 if !recovered {
                     self.board.forget(slot);
                     sink(Err(of_draw(error.into()).at(ask.view)));
@@ -84,9 +129,13 @@ impl Worker {
     fn picture(&mut self, slot: u64, ask: &Ask, seq: u64, began: Instant) -> Result<Option<Picture>, Failed> {
         let Asked { view, settings, sun_deg } = asked(&ask.what, &self.planet)?;
         let settings = frame::Settings { places: ask.places, ..settings };
-        let frame = self.drawer.render(&view, &settings)?;
+        let frame = self.drawer.render(&view, &settings).map_err(|error| self.failed(error))?;
+        match frame.stats.tiles_missing {
+            0 => self.lacked.remove(&slot),
+            _ => self.lacked.insert(slot, self.drawer.lacked()),
+        };
         let mesh = match ask.mesh {
-            true => Some(self.drawer.mesh(&view, settings.scheme)?),
+            true => Some(self.drawer.mesh(&view, settings.scheme).map_err(|error| self.failed(error))?),
             false => None,
         };
         let stats = stats(&frame.stats, ask, began);
@@ -94,26 +143,40 @@ impl Worker {
         if !self.board.drawn(slot, ask.until, frame.stats.tiles_missing) {
             return Ok(None);
         }
-        let hold = Hold { board: Arc::clone(&self.board), slot };
+        let hold = Arc::new(Hold { board: Arc::clone(&self.board), slot });
         let planet = Arc::clone(&self.planet);
-        Ok(Some(Picture { number: ask.view, seq, planet, view, sun_deg, frame, mesh, complete, stats, _hold: hold }))
+        Ok(Some(Picture { number: ask.view, seq, planet, view, sun_deg, frame, mesh, complete, stats, hold }))
     }
 
     fn load(&mut self) {
+        let lacking = self.board.lacking();
+        self.lacked.retain(|slot, _| lacking.contains(slot));
+        // Views that were not drawn since the last update want their tiles still.
+        self.lacked.values().for_each(|pages| self.drawer.ask(pages));
         let progress = self.drawer.update(self.limits.time_budget);
-        self.board.loaded(&progress);
+        let left: Vec<(u64, usize)> =
+            self.lacked.iter().map(|(&slot, pages)| (slot, self.drawer.still_lacks(pages))).collect();
+        self.board.loaded(&progress, &left);
         self.listener.loaded(progress.resident, progress.loaded);
-        let damaged = self.drawer.damaged();
-        if damaged.len() > self.damaged {
-            self.damaged = damaged.len();
-            if let Some((_, error)) = damaged.last() {
-                self.listener.fault(Fault::new(
-                    Code::Damaged,
-                    format!("{} damaged tiles, such as: {error}", damaged.len()),
-                    "every tile of a file is as it was published",
-                    "coarser tiles stand in; whoever runs the daemon copies or bakes the file again",
-                ));
-            }
+        let (damaged, said) = self.drawer.damaged();
+        let (told, when) = self.damaged;
+        if damaged > told && when.is_none_or(|when| when.elapsed() >= DAMAGE_TOLD) {
+            self.damaged = (damaged, Some(Instant::now()));
+            self.listener.fault(Fault::new(
+                Code::Damaged,
+                format!("{damaged} damaged tiles, such as: {}", said.unwrap_or_default()),
+                "every tile of a file is as it was published",
+                "coarser tiles stand in; whoever runs the daemon copies or bakes the file again",
+            ));
+        }
+    }
+
+    /// What a failed drawing means: an error of one call may come from a device that is of no use any
+    /// more.
+    fn failed(&self, error: RenderError) -> Failed {
+        match self.drawer.check() {
+            Err(error) => Failed::Device(error),
+            Ok(()) => Failed::from(error),
         }
     }
 
@@ -122,7 +185,8 @@ impl Worker {
             Ok(drawer) => {
                 self.drawer = drawer;
                 self.planet = planet;
-                self.damaged = 0;
+                self.damaged = (0, None);
+                self.lacked.clear();
                 self.listener.replaced(&self.planet);
                 self.board.again();
             }
@@ -166,8 +230,23 @@ impl Worker {
         };
         self.drawer = Drawer::new(&backend, &self.planet, self.limits.atlas_bytes).map_err(of_draw)?;
         self.backend = backend;
+        self.lacked.clear();
         self.board.again();
         Ok(())
+    }
+}
+
+fn guarded<T>(work: impl FnOnce() -> T) -> std::thread::Result<T> {
+    // What a panic leaves behind is made anew before it is used again.
+    catch_unwind(AssertUnwindSafe(work))
+}
+
+/// Closes the board at its end.
+struct Closing(Arc<Board>);
+
+impl Drop for Closing {
+    fn drop(&mut self) {
+        self.0.close();
     }
 }
 

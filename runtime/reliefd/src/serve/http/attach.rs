@@ -1,7 +1,6 @@
 //! The WebSocket that viewers attach by: a task that reads, a task that writes.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use axum::body::Bytes;
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket, WebSocketUpgrade};
@@ -16,16 +15,8 @@ use relief_protocol::to_viewer::ToViewer;
 use tokio::sync::{broadcast, mpsc};
 
 use crate::serve::hub::Hub;
+use crate::serve::patience::patience;
 use crate::serve::session::{Out, Session, outbox};
-
-/// Time for the first message.
-const HELLO: Duration = Duration::from_secs(10);
-/// A viewer that is there answers pings, sent this often.
-const PING: Duration = Duration::from_secs(20);
-/// Silence, pongs included, after which nobody is there.
-const SILENCE: Duration = Duration::from_secs(65);
-/// Time for a message to be taken by a viewer.
-const SEND: Duration = Duration::from_secs(30);
 
 /// A query with the token, where there is one.
 #[derive(serde::Deserialize)]
@@ -74,7 +65,7 @@ async fn serve(hub: Arc<Hub>, socket: WebSocket, token: Option<String>) {
     };
     if let Some(fault) = last {
         hub.meters.fault(fault.code);
-        let _ = tokio::time::timeout(SEND, async {
+        let _ = tokio::time::timeout(patience().send, async {
             outbox.end(ToViewer::Error(fault)).await;
             let _ = (&mut writer).await;
         })
@@ -85,10 +76,10 @@ async fn serve(hub: Arc<Hub>, socket: WebSocket, token: Option<String>) {
 
 /// Reads until the viewer goes; the fault it is to be told last, if there is one.
 async fn read(mut session: Session, mut stream: SplitStream<WebSocket>) -> Option<Fault> {
-    let hello = tokio::time::Instant::now() + HELLO;
+    let hello = tokio::time::Instant::now() + patience().hello;
     loop {
         let patience = match session.is_welcomed() {
-            true => tokio::time::Instant::now() + SILENCE,
+            true => tokio::time::Instant::now() + patience().silence,
             false => hello,
         };
         let Ok(message) = tokio::time::timeout_at(patience, stream.next()).await else {
@@ -118,14 +109,16 @@ async fn write(
     mut receiver: mpsc::Receiver<Out>,
     mut news: broadcast::Receiver<ToViewer>,
 ) {
-    let mut ping = tokio::time::interval(PING);
+    let mut ping = tokio::time::interval(patience().ping);
     loop {
+        let mut held = None;
         let (message, last) = tokio::select! {
             out = receiver.recv() => match out {
                 Some(Out::Message(message)) => (text(&message), false),
                 Some(Out::Payload(payload)) => {
                     let mut bytes = payload.header.envelope();
                     bytes.extend_from_slice(&payload.bytes);
+                    held = Some(payload.hold);
                     (Message::Binary(bytes.into()), false)
                 }
                 Some(Out::End(message)) => (text(&message), true),
@@ -139,7 +132,7 @@ async fn write(
             },
             _ = ping.tick() => (Message::Ping(Bytes::new()), false),
         };
-        let sent = tokio::time::timeout(SEND, async {
+        let sent = tokio::time::timeout(patience().send, async {
             sink.send(message).await?;
             if last {
                 sink.send(Message::Close(Some(CloseFrame { code: 1000, reason: Utf8Bytes::default() }))).await?;
@@ -147,6 +140,7 @@ async fn write(
             Ok::<(), axum::Error>(())
         });
         let taken = matches!(sent.await, Ok(Ok(())));
+        drop(held);
         if last || !taken {
             return;
         }

@@ -149,7 +149,10 @@ impl Session {
         }
         let sink = self.sink(&name, streams);
         let camera = served.engine.camera(self.seat.viewer(), sink);
-        let attached = Attached { served, camera, streams, view: None, pick: None };
+        // A camera that is only changed goes on looking where it looked.
+        let view = self.cameras.remove(&name).and_then(|mut earlier| earlier.view.take());
+        let attached = Attached { served, camera, streams, view, pick: None };
+        attached.ask();
         self.cameras.insert(name, attached);
         Ok(())
     }
@@ -182,10 +185,8 @@ impl Session {
     fn view(&mut self, asked: SetView) -> Result<(), Fault> {
         let SetView { camera, view, what } = asked;
         let attached = self.cameras.get_mut(&camera).ok_or_else(|| unknown_camera(&camera).at(view))?;
-        let what = Arc::new(what);
-        attached.view = Some((view, Arc::clone(&what)));
-        let mesh = attached.streams.mesh.is_some();
-        attached.camera.ask(Ask { view, what, mesh, places: false, arrived: Instant::now(), until: None });
+        attached.view = Some((view, Arc::new(what)));
+        attached.ask();
         Ok(())
     }
 
@@ -214,6 +215,21 @@ impl Session {
             let _ = outbox.tell(answer).await;
         }));
         Ok(())
+    }
+}
+
+impl Attached {
+    /// Asks for pictures of its view, if it has one.
+    fn ask(&self) {
+        let Some((view, what)) = &self.view else { return };
+        self.camera.ask(Ask {
+            view: *view,
+            what: Arc::clone(what),
+            mesh: self.streams.mesh.is_some(),
+            places: false,
+            arrived: Instant::now(),
+            until: None,
+        });
     }
 }
 

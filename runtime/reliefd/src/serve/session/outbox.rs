@@ -1,10 +1,14 @@
 //! What waits to be sent to a viewer. Bounded: pictures by their acknowledgements, messages by this.
 
+use std::sync::Arc;
+
 use relief_protocol::error::{Code, Fault};
 use relief_protocol::payload::Header;
 use relief_protocol::to_viewer::ToViewer;
 use relief_protocol::{MOST_CAMERAS, MOST_UNACKNOWLEDGED};
 use tokio::sync::mpsc;
+
+use crate::serve::engine::Hold;
 
 /// Room for all payloads that may be unacknowledged, and as many messages.
 const ROOM: usize = 8 * MOST_CAMERAS * MOST_UNACKNOWLEDGED as usize;
@@ -25,6 +29,8 @@ pub struct Payload {
     pub header: Header,
     /// Its bytes, without the envelope.
     pub bytes: Vec<u8>,
+    /// Dropped once the payload is sent: only then its camera is drawn again.
+    pub hold: Arc<Hold>,
 }
 
 /// The end that things are put into.

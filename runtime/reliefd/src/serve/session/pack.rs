@@ -46,7 +46,7 @@ pub fn payloads<'a>(picture: &'a Picture, camera: &'a str, streams: Streams) -> 
             stats: picture.stats.clone(),
             mesh,
         };
-        Payload { header, bytes }
+        Payload { header, bytes, hold: picture.hold() }
     })
 }
 

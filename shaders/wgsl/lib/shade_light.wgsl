@@ -1,4 +1,4 @@
-// Colours of ground and sky. Twin: src/frame/shade.rs.
+// Light and colours of ground and sky. Twin: src/frame/light.rs.
 // use: planet angle shade_style
 
 fn to_srgb(linear: vec3<f32>) -> vec3<f32> {
@@ -26,15 +26,14 @@ fn exaggeration(footprint_m: f32) -> f32 {
     return clamp(pow(max(footprint_m / style.exaggeration_from_m, 1.0), 0.4), 1.0, 8.0);
 }
 
-fn ground_colour(height_m: f32, slope: vec2<f32>, sun: vec3<f32>, visible: f32) -> vec3<f32> {
+fn ground_light(slope: vec2<f32>, sun: vec3<f32>, visible: f32) -> vec3<f32> {
     let normal = normalize(vec3(-slope, 1.0));
     // What exaggerated slopes would catch beyond the terminator is no light.
     let day = smoothstep(-0.03, 0.12, sun.z);
     let shaded = style.dark + (style.bright - style.dark) * max(sun.z, 0.0);
     let direct = max(dot(normal, sun), 0.0) * (shaded + (1.0 - shaded) * visible) * day;
     let sky = style.ambient * (0.12 + 0.88 * smoothstep(-0.25, 0.25, sun.z)) * (0.5 + 0.5 * normal.z);
-    let light = style.sun_colour.xyz * direct + style.shade_colour.xyz * sky;
-    return tint(height_m) * light;
+    return style.sun_colour.xyz * direct + style.shade_colour.xyz * sky;
 }
 
 fn sky_colour(view: View, ray: vec3<f32>) -> vec3<f32> {

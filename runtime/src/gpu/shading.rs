@@ -1,0 +1,51 @@
+//! The shading kernel, with and without the overlays.
+
+use std::sync::OnceLock;
+
+use relief_shaders::kernels;
+
+use super::device::Device;
+use super::kernel;
+
+/// Pipelines of `wgsl/frame_shade.wgsl`. Overlays take registers even where none is drawn (a tenth
+/// of the time on lavapipe), so pictures without one have a pipeline without them.
+pub(super) struct Shading {
+    layout: wgpu::PipelineLayout,
+    module: wgpu::ShaderModule,
+    plain: wgpu::ComputePipeline,
+    /// Made when a frame first asks for it.
+    overlaid: OnceLock<wgpu::ComputePipeline>,
+}
+
+impl Shading {
+    pub fn new(device: &Device, groups: &[Option<&wgpu::BindGroupLayout>]) -> Self {
+        let layout = kernel::pipeline_layout(device, groups);
+        let module = kernel::module(device, "frame_shade", kernels::FRAME_SHADE);
+        let plain = pipeline(device, &layout, &module, false);
+        Self { layout, module, plain, overlaid: OnceLock::new() }
+    }
+
+    pub fn pipeline(&self, device: &Device, overlaid: bool) -> &wgpu::ComputePipeline {
+        if !overlaid {
+            return &self.plain;
+        }
+        self.overlaid.get_or_init(|| pipeline(device, &self.layout, &self.module, true))
+    }
+}
+
+fn pipeline(
+    device: &Device,
+    layout: &wgpu::PipelineLayout,
+    module: &wgpu::ShaderModule,
+    overlaid: bool,
+) -> wgpu::ComputePipeline {
+    let constants = [("overlaid", f64::from(u8::from(overlaid)))];
+    device.wgpu().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("shade_pixels"),
+        layout: Some(layout),
+        module,
+        entry_point: Some("shade_pixels"),
+        compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+        cache: None,
+    })
+}
