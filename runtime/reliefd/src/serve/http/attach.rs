@@ -21,7 +21,8 @@ use crate::serve::session::{Out, Session, outbox};
 /// A query with the token, where there is one.
 #[derive(serde::Deserialize)]
 pub struct Token {
-    token: Option<String>,
+    /// As it was sent.
+    pub token: Option<String>,
 }
 
 /// `GET /v1/attach`.
