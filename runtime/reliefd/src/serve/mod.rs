@@ -2,10 +2,12 @@
 
 mod args;
 mod ask;
+mod descriptors;
 mod engine;
 mod heights;
 mod http;
 mod hub;
+mod idle;
 #[cfg(target_os = "linux")]
 mod local;
 mod meters;
@@ -39,10 +41,12 @@ pub use args::Args;
 pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     let filter = tracing_subscriber::EnvFilter::try_from_default_env().unwrap_or_else(|_| "info".into());
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    descriptors::raise();
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         // They pack pictures; more than these would only hold more of them.
         .max_blocking_threads(64)
+        .thread_keep_alive(Duration::from_secs(2))
         .build()
         .map_err(|error| cannot("start its threads", &error))?;
     let hub = Arc::new(hub(args)?);
@@ -102,6 +106,7 @@ async fn serve(args: &Args, hub: Arc<Hub>) -> Result<(), ToolError> {
     let local_viewers = local_viewers(args, &hub)?;
     print(&format!("http://{address}/\n"))?;
     tokio::spawn(watch::watch(Arc::clone(&hub)));
+    let listener = idle::Idle::new(listener, patience::patience().idle);
     let web = axum::serve(listener, http::router(hub)).with_graceful_shutdown(async {
         // Without a handler for it there is nothing to wait for.
         let _ = tokio::signal::ctrl_c().await;
