@@ -117,7 +117,7 @@ fn write(
     let pixels = frame.colour.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
     write_png(&args.out, &RgbImage { width: frame.width as usize, height: frame.height as usize, pixels })?;
     if let Some(path) = &args.mask {
-        write_grey_png(path, [frame.width, frame.height], &frame.lit)?;
+        publish(path, |out| write_grey_png(out, [frame.width, frame.height], &frame.lit))?;
     }
     if let Some(path) = &args.mesh {
         let triangles = renderer.mesh(view, settings.scheme).map_err(of_render(&args.file))?;

@@ -1,7 +1,10 @@
 //! `POST /v1/planets/{name}/heights`: many points at once.
 
+use std::time::Duration;
+
 use axum::Json;
 use axum::extract::rejection::JsonRejection;
+use axum::extract::{FromRequest as _, Request};
 use relief_protocol::error::{Code, Fault};
 use utoipa::ToSchema;
 
@@ -14,6 +17,8 @@ use crate::serve::http::refused::Refused;
 const MOST_POINTS: usize = 100_000;
 /// Most bytes of a request: two numbers of full length a point.
 pub const MOST_BYTES: usize = 8 << 20;
+/// Time for a request's points to arrive.
+const BODY: Duration = Duration::from_secs(30);
 
 /// Points of a level.
 #[derive(serde::Deserialize, ToSchema)]
@@ -45,7 +50,12 @@ pub struct Heights {
     request_body = Points,
     responses((status = 200, description = "Heights in the order of the points", body = Heights), Refused)
 )]
-pub async fn heights(At(served): At, body: Result<Json<Points>, JsonRejection>) -> Result<Json<Heights>, Refused> {
+pub async fn heights(At(served): At, request: Request) -> Result<Json<Heights>, Refused> {
+    // Who sends slowly holds a place among the requests in work.
+    let Ok(body) = tokio::time::timeout(BODY, Json::<Points>::from_request(request, &())).await else {
+        let rule = format!("a request arrives within {} s", BODY.as_secs());
+        return Err(Fault::new(Code::Timeout, "points that do not arrive", rule, "send them in parts").into());
+    };
     let Json(Points { points, level }) = body.map_err(|error| unread(&error))?;
     if points.len() > MOST_POINTS {
         let rule = format!("a request has at most {MOST_POINTS} points");

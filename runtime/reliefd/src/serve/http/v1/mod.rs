@@ -1,5 +1,6 @@
 //! `/v1`: what scripts ask.
 
+pub mod attach;
 pub mod distance;
 pub mod height;
 pub mod heights;
@@ -7,6 +8,7 @@ pub mod mesh;
 pub mod openapi;
 pub mod planets;
 pub mod render;
+pub mod shadow;
 
 use std::time::Duration;
 
