@@ -4,10 +4,12 @@ mod args;
 mod ask;
 mod browser;
 mod config;
+mod descriptors;
 mod engine;
 mod heights;
 mod http;
 mod hub;
+mod idle;
 mod listen;
 #[cfg(target_os = "linux")]
 mod local;
@@ -52,12 +54,14 @@ const LEFT_BEHIND: Duration = Duration::from_secs(1);
 /// What kept it from running.
 pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     logs::start(args.log);
+    descriptors::raise();
     let token = args.token_file.as_deref().map(token::read).transpose()?;
     let listeners = listen::listeners(args.listen, token.is_some())?;
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         // They pack pictures; more than these would only hold more of them.
         .max_blocking_threads(64)
+        .thread_keep_alive(Duration::from_secs(2))
         .build()
         .map_err(|error| cannot("start its threads", &error))?;
     let hub = Arc::new(planets::hub(args, token.as_deref())?);

@@ -14,6 +14,8 @@ pub struct Patience {
     pub silence: Duration,
     /// For a message to be taken by a viewer.
     pub send: Duration,
+    /// For any byte on a connection.
+    pub idle: Duration,
     /// Between two looks at the files.
     pub look: Duration,
 }
@@ -28,6 +30,7 @@ pub fn patience() -> Patience {
         ping: seconds(20.0),
         silence: seconds(65.0),
         send: seconds(30.0),
+        idle: seconds(150.0),
         look: seconds(1.0),
     }
 }

@@ -34,8 +34,9 @@ pub async fn attach(
 ) -> Response {
     let token = super::token(&headers).or(token);
     upgrade
-        .max_message_size(MOST_MESSAGE_BYTES)
-        .max_frame_size(MOST_MESSAGE_BYTES)
+        // What is a little too long is read and refused; what is longer ends the connection.
+        .max_message_size(4 * MOST_MESSAGE_BYTES)
+        .max_frame_size(4 * MOST_MESSAGE_BYTES)
         .on_upgrade(move |socket| serve(hub, socket, token))
 }
 

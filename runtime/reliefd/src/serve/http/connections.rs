@@ -13,10 +13,10 @@ use hyper_util::service::TowerToHyperService;
 use tokio::net::TcpStream;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
 
+use crate::serve::idle::Watched;
+use crate::serve::patience::patience;
 use crate::serve::stop::Stop;
 
-/// Time for the head of a request, and longest silence between two.
-const HEAD: Duration = Duration::from_secs(30);
 /// Connections beyond these wait to be taken. WebSockets do not count: viewers have seats.
 const MOST: usize = 4096;
 /// Time until the next try where no connection can be taken, as without descriptors.
@@ -83,9 +83,11 @@ impl Connections {
     async fn serve(self, stream: TcpStream, permit: OwnedSemaphorePermit) {
         let Self { router, closing, open, .. } = self;
         let service = TowerToHyperService::new(router);
+        let idle = patience().idle;
         let mut builder = http1::Builder::new();
-        builder.timer(TokioTimer::new()).header_read_timeout(HEAD);
-        let mut connection = std::pin::pin!(builder.serve_connection(TokioIo::new(stream), service).with_upgrades());
+        builder.timer(TokioTimer::new()).header_read_timeout(idle);
+        let stream = TokioIo::new(Watched::new(stream, idle));
+        let mut connection = std::pin::pin!(builder.serve_connection(stream, service).with_upgrades());
         // What a client did wrong with HTTP itself it was told.
         tokio::select! {
             ended = connection.as_mut() => return drop(ended),
