@@ -57,6 +57,32 @@ pub fn ask(address: &str, method: &str, target: &str, lines: &[&str], body: &[u8
         .unwrap_or_else(|| panic!("no answer to {method} {target}: {read:?}, {bytes:?}"))
 }
 
+/// A request whose body has not been sent yet.
+pub struct Unfinished(TcpStream, &'static str);
+
+/// Begins to post JSON, and keeps it back.
+pub fn begin_post(address: &str, target: &str, json: &'static str) -> Unfinished {
+    let mut stream = TcpStream::connect(address).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    let head = format!(
+        "POST {target} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\nContent-Type: application/json\r\n\
+         Content-Length: {}\r\n\r\n",
+        json.len()
+    );
+    stream.write_all(head.as_bytes()).unwrap();
+    Unfinished(stream, json)
+}
+
+impl Unfinished {
+    /// Sends what was kept back.
+    pub fn finish(mut self) -> Answer {
+        self.0.write_all(self.1.as_bytes()).unwrap();
+        let mut bytes = Vec::new();
+        self.0.read_to_end(&mut bytes).unwrap();
+        read_answer(&bytes, false).unwrap()
+    }
+}
+
 fn read_answer(bytes: &[u8], bare: bool) -> Option<Answer> {
     let end = bytes.windows(4).position(|four| four == b"\r\n\r\n")?;
     let head = std::str::from_utf8(&bytes[..end]).ok()?;

@@ -2,10 +2,20 @@
 
 use relief_client::{AttachError, Attached, Options};
 
+use crate::client::begin_post;
 use crate::daemon::{Daemon, Files, PATIENCE, poll};
+use crate::figures::figure;
 
 /// Takes a good part of a second on two cores.
 const SLOW: &str = "/v1/planets/globe/render?camera=20,10,9000000&size=1200x1200&sun=60,10&soft=1&pixel_error=0.3";
+
+const HEIGHTS: &str = "/v1/planets/globe/heights";
+const POINTS: &str = "{\"points\":[[1,2],[3,4]]}";
+
+fn in_work(daemon: &Daemon) -> f64 {
+    let metrics = daemon.get("/metrics").good().text();
+    figure(&metrics, "relief_http_requests_in_work").unwrap()
+}
 
 #[test]
 fn an_idle_daemon_ends_at_once() {
@@ -25,15 +35,26 @@ fn an_idle_daemon_ends_at_once() {
 fn what_is_in_flight_ends_and_nothing_new_begins() {
     let files = Files::new();
     let daemon = Daemon::start(&files, "");
+    let cameras = || daemon.get("/healthz").json(200)["planets"][0]["cameras"] == 1;
     std::thread::scope(|scope| {
-        let slow = scope.spawn(|| daemon.get(SLOW));
-        poll("the engine's work", || (daemon.get("/healthz").json(200)["planets"][0]["cameras"] == 1).then_some(()));
+        let slow = poll("a picture on its way", || {
+            let slow = scope.spawn(|| daemon.get(SLOW));
+            // On a fast machine it may be done before anybody looks.
+            let seen = poll("the engine's work", || (cameras() || slow.is_finished()).then_some(!slow.is_finished()));
+            seen.then_some(slow)
+        });
+        let points = begin_post(daemon.address(), HEIGHTS, POINTS);
+        poll("their place", || {
+            let others = if slow.is_finished() { 0.0 } else { 1.0 };
+            (in_work(&daemon) > others).then_some(())
+        });
         daemon.signal("TERM");
         let health = poll("the end", || Some(daemon.get("/healthz")).filter(|answer| answer.status == 503));
         assert_eq!(health.json(503)["status"], "stopping");
         let refused = daemon.get("/v1/planets");
         assert_eq!(refused.header("retry-after"), Some("1"));
         assert_eq!(refused.json(503)["code"], "busy");
+        points.finish().good();
         assert!(slow.join().unwrap().good().body.len() > 100_000);
     });
     assert_eq!(daemon.ended().0, 0);
@@ -58,17 +79,13 @@ fn viewers_are_told() {
 fn more_work_than_there_is_room_for_is_refused() {
     let files = Files::new();
     let daemon = Daemon::start(&files, "--max-requests 1");
-    std::thread::scope(|scope| {
-        let slow = scope.spawn(|| daemon.get(SLOW));
-        let refused = poll("a refusal", || {
-            let answer = daemon.get("/v1/planets/globe/height?lon=1&lat=1");
-            (answer.status == 503).then_some(answer)
-        });
-        assert_eq!(refused.header("retry-after"), Some("1"));
-        assert_eq!(refused.json(503)["code"], "busy");
-        // What is no work is answered all the same.
-        daemon.get("/v1/planets").good();
-        slow.join().unwrap().good();
-    });
+    let first = begin_post(daemon.address(), HEIGHTS, POINTS);
+    poll("its place", || (in_work(&daemon) == 1.0).then_some(()));
+    let refused = daemon.get("/v1/planets/globe/height?lon=1&lat=1");
+    assert_eq!(refused.header("retry-after"), Some("1"));
+    assert_eq!(refused.json(503)["code"], "busy");
+    // What is no work is answered all the same.
+    daemon.get("/v1/planets").good();
+    first.finish().good();
     daemon.get("/v1/planets/globe/height?lon=1&lat=1").good();
 }

@@ -9,7 +9,7 @@ use relief_protocol::view::View;
 use crate::daemon::{Daemon, Files, PATIENCE, poll};
 
 /// The value of a figure with its labels.
-fn figure(text: &str, name: &str) -> Option<f64> {
+pub fn figure(text: &str, name: &str) -> Option<f64> {
     text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')?.parse().ok())
 }
 
