@@ -27,6 +27,7 @@ readonly packages=(
   libvulkan1 mesa-vulkan-drivers      # lavapipe, a GPU in software
   python3 python3-numpy python3-gdal  # the oracles of the tests
   python3-zstandard                   # the second reader of the tests
+  python3-websockets                  # the viewer in Python
   geographiclib-tools                 # CartConvert, the oracle for ECEF
 )
 

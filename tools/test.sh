@@ -9,7 +9,7 @@ usage: bash tools/test.sh [--help]
 Installs what is missing (tools/setup.sh), builds the workspace, runs the Rust tests and the
 Python tests, and closes with a summary. Tests that need a GPU run on Mesa's lavapipe.
 
-RELIEF_PYTHON names the Python that has numpy, osgeo and zstandard (default: found by trying).
+RELIEF_PYTHON names the Python that has numpy, osgeo, websockets and zstandard (default: found by trying).
 
 exit: 0 all passed, 1 a test failed, 2 could not run
 TEXT
@@ -51,7 +51,7 @@ total() {
 find_python() {
   local candidate
   for candidate in "${RELIEF_PYTHON-}" /usr/bin/python3 python3; do
-    if [[ -n $candidate ]] && "$candidate" -c 'import numpy, osgeo.gdal, zstandard' 2>/dev/null; then
+    if [[ -n $candidate ]] && "$candidate" -c 'import numpy, osgeo.gdal, websockets, zstandard' 2>/dev/null; then
       printf '%s\n' "$candidate"
       return
     fi
@@ -64,7 +64,7 @@ if ! command -v cargo >/dev/null; then
   export PATH="${HOME-}/.cargo/bin:$PATH"
 fi
 RELIEF_PYTHON=$(find_python) || {
-  printf 'test: no Python has numpy, osgeo and zstandard; name one in RELIEF_PYTHON\n' >&2
+  printf 'test: no Python has numpy, osgeo, websockets and zstandard; name one in RELIEF_PYTHON\n' >&2
   exit 2
 }
 export RELIEF_PYTHON

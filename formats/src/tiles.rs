@@ -81,6 +81,12 @@ impl<'a> Tiles<'a> {
         }
     }
 
+    /// How often a decoded plane was at hand, and how often it was not.
+    #[must_use]
+    pub fn hits_and_misses(&self) -> [u64; 2] {
+        [self.cache.hits(), self.cache.misses()]
+    }
+
     /// Heights of S_0 at a tile's nodes; between the coarser level's where the tile is absent.
     pub fn nodes(&self, key: TileKey) -> Result<Samples, FormatError> {
         self.cache.get_or_insert_with(&(key, Plane::Nodes), || self.decode_nodes(key).map(Arc::new))

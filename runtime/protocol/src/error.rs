@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Kinds of faults; stable words, for programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Code {
     /// A message that cannot be read, or comes at the wrong time: the viewer's author.
@@ -18,6 +19,8 @@ pub enum Code {
     BadView,
     /// No token, or a wrong one.
     Token,
+    /// A web page of another site, or by a name that is not the daemon's.
+    Origin,
     /// As many viewers as the daemon takes are attached.
     Busy,
     /// The viewer said nothing for too long, or does not read.

@@ -76,6 +76,7 @@ pub enum Format {
 
 /// What a picture cost.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Stats {
     /// Triangles drawn.
     pub triangles: u64,

@@ -68,6 +68,7 @@ impl Default for Limits {
 
 /// A planet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Planet {
     /// The file's stem.
     pub name: String,

@@ -41,6 +41,11 @@ impl SunArgs {
         Self { sun, time }
     }
 
+    /// The sun's place in degrees, or the time, as it was given.
+    pub fn given(&self) -> (Option<[f64; 2]>, Option<DateTime<Utc>>) {
+        (self.sun.map(|AnglesArg(angles_deg)| angles_deg), self.time)
+    }
+
     /// The sun over a planet; none where none was asked for.
     pub fn light(&self, planet: &Planet) -> Result<Option<Light>, ToolError> {
         match (self.sun, self.time) {

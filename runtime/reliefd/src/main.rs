@@ -15,7 +15,7 @@ mod view_args;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use relief_front::error::ToolError;
 
 /// Planet-scale terrain, served at once: frames, meshes, shadows and heights of a .relief file.
@@ -47,19 +47,25 @@ enum Outcome {
 }
 
 fn main() -> ExitCode {
-    let result: Result<Outcome, ToolError> = match Cli::parse().command {
-        Command::Render(args) => render::run(&args),
-        Command::Mask(args) => mask::run(&args),
-        Command::Report(args) => report::run(&args),
-        Command::Probe(args) => probe::run(&args),
-        Command::Serve(args) => serve::run(&args),
-    };
-    match result {
+    match run() {
         Ok(Outcome::Good) => ExitCode::SUCCESS,
         Ok(Outcome::Found) => ExitCode::from(1),
         Err(error) => {
             eprintln!("reliefd: {error}");
             ExitCode::from(2)
         }
+    }
+}
+
+fn run() -> Result<Outcome, ToolError> {
+    let words: Vec<_> = std::env::args_os().collect();
+    let command = serve::configured(Cli::command(), &words)?;
+    let matches = command.get_matches_from(words);
+    match Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()).command {
+        Command::Render(args) => render::run(&args),
+        Command::Mask(args) => mask::run(&args),
+        Command::Report(args) => report::run(&args),
+        Command::Probe(args) => probe::run(&args),
+        Command::Serve(args) => serve::run(&args),
     }
 }

@@ -1,9 +1,9 @@
 //! Output files by their names.
 
+use std::io::Write;
 use std::path::Path;
 
 use relief_front::error::ToolError;
-use relief_front::publish::publish;
 
 /// Refuses a name that does not end in one of `extensions`.
 pub fn check_name(flag: &str, path: &Path, extensions: &[&str]) -> Result<(), ToolError> {
@@ -25,13 +25,14 @@ pub fn extension(path: &Path) -> String {
 }
 
 /// Writes an 8-bit grey PNG, rows from the top.
-pub fn write_grey_png(path: &Path, [width, height]: [u32; 2], values: &[u8]) -> Result<(), ToolError> {
-    publish(path, |out| {
-        let mut encoder = png::Encoder::new(out, width, height);
-        encoder.set_color(png::ColorType::Grayscale);
-        encoder.set_depth(png::BitDepth::Eight);
-        let mut writer = encoder.write_header().map_err(std::io::Error::other)?;
-        writer.write_image_data(values).map_err(std::io::Error::other)?;
-        writer.finish().map_err(std::io::Error::other)
-    })
+///
+/// # Errors
+/// What the writer answered.
+pub fn write_grey_png(out: impl Write, [width, height]: [u32; 2], values: &[u8]) -> std::io::Result<()> {
+    let mut encoder = png::Encoder::new(out, width, height);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(values)?;
+    Ok(writer.finish()?)
 }

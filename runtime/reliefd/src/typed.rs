@@ -52,6 +52,19 @@ impl FromStr for AnglesArg {
     }
 }
 
+/// A point of the map: longitude and latitude in degrees, or X and Y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointArg(pub [f64; 2]);
+
+impl FromStr for PointArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = numbers(text, 2, 2, "LON,LAT in degrees (a plane: X,Y)")?;
+        Ok(Self([numbers[0], numbers[1]]))
+    }
+}
+
 /// WxH in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SizeArg(pub [u32; 2]);

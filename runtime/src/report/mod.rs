@@ -23,7 +23,7 @@ use crate::planet::Planet;
 pub use cameras::{Shot, shots};
 pub use mesh_error::{MeshError, measure};
 pub use meshes::MeshRow;
-pub use shadows::ShadowRow;
+pub use shadows::{PAPER, ShadowRow};
 
 /// What a report is made with.
 #[derive(Clone, Debug, PartialEq)]

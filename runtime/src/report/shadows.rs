@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use relief_formats::file::FormatError;
 use relief_shaders::oracle::World;
 use relief_shaders::shadow::dense::Dense;
+use relief_shaders::shadow::paper::{PaperMap, Reading};
 use relief_shaders::shadow::sweep::{PlaneNodes, sweep_mask};
 use relief_shaders::shadow::{Sunlight, shadow_exact};
 
@@ -22,12 +23,16 @@ const MOST_ROWS_LOG2: u32 = 11;
 /// Coarser surfaces than the finest that are tried.
 const OFFSETS: u32 = 3;
 
+/// The paper's kernel as it is printed, and as it is meant: baselines.
+pub const PAPER: [&str; 2] = ["paper, printed", "paper, meant"];
+
 /// One kernel under one sun.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShadowRow {
     /// Elevation of the sun, degrees.
     pub elevation_deg: f64,
-    /// `exact`, or `sweep` where all nodes of a plane are shaded at once.
+    /// `exact`; on planes also `sweep`, where all nodes are shaded at once, and the paper's as
+    /// [`PAPER`] names them.
     pub kernel: &'static str,
     /// Levels by which the surface that is tested is coarser than the truth.
     pub level_offset: u32,
@@ -65,6 +70,7 @@ pub(super) fn run(
     let dense = dense(planet, level).map_err(RenderError::from)?;
     let dense = Dense::from_nodes(&uniform, 0, dense);
     let world = world(planet, &dense, &uniform);
+    let paper = planet.grid().plane.then(|| paper_map(&dense, &world));
     let mut rows = Vec::new();
     for (n, elevation_deg) in ELEVATIONS_DEG.into_iter().enumerate() {
         progress("shadows", n as f64 / ELEVATIONS_DEG.len() as f64);
@@ -76,40 +82,58 @@ pub(super) fn run(
                 (!margin.is_inside()).then_some(margin.angle_rad > 0.0)
             })
             .collect();
-        for level_offset in 0..OFFSETS.min(uniform.root_level + 1) {
-            let begin = Instant::now();
-            let light: Vec<Sunlight> = rays
-                .par_iter()
-                .map(|&(at, sun)| {
-                    let height_m = world.height_m(at[0], at[1]) as f32;
-                    shadow_exact(&uniform, &mut &dense, at, height_m, level_offset, sun, 0.0)
-                })
-                .collect();
-            let seconds = begin.elapsed().as_secs_f64();
-            let each = |count: fn(&Sunlight) -> u32| {
-                light.iter().map(|l| f64::from(count(l))).sum::<f64>() / light.len() as f64
-            };
-            let wrong =
-                truth.iter().zip(&light).filter(|(truth, l)| truth.is_some_and(|dark| dark != (l.visible == 0.0)));
-            rows.push(ShadowRow {
-                elevation_deg,
-                kernel: "exact",
-                level_offset,
-                rays: rays.len(),
-                mray_per_s: rays.len() as f64 / seconds / 1e6,
-                heights_per_ray: each(|l| l.counts.heights),
-                extremes_per_ray: each(|l| l.counts.extremes),
-                checked: truth.len(),
-                wrong: wrong.count(),
-                inside_margin: truth.iter().filter(|truth| truth.is_none()).count(),
-                dark_share: each(|l| u32::from(l.visible == 0.0)),
-            });
+        let offsets = 0..OFFSETS.min(uniform.root_level + 1);
+        for level_offset in offsets.clone() {
+            rows.push(single(("exact", level_offset, elevation_deg), &rays, &truth, |&(at, sun)| {
+                let height_m = world.height_m(at[0], at[1]) as f32;
+                shadow_exact(&uniform, &mut &dense, at, height_m, level_offset, sun, 0.0)
+            }));
         }
         if planet.grid().plane {
             rows.push(sweep(&world, &dense, elevation_deg, options.checked));
         }
+        if let Some(map) = &paper {
+            for (kernel, reading) in [(PAPER[0], Reading::Printed), (PAPER[1], Reading::Meant)] {
+                for level_offset in offsets.clone() {
+                    rows.push(single((kernel, level_offset, elevation_deg), &rays, &truth, |&(at, sun)| {
+                        // Texels' centres are the nodes; a ray starts on the level's own surface.
+                        let [x, y] = at.map(|v| (v >> (31 - uniform.m)) as f32 + 0.5);
+                        map.paper_shadow([x, y], map.paper_bilinear_m(level_offset, x, y), level_offset, sun, reading)
+                    }));
+                }
+            }
+        }
     }
     Ok(rows)
+}
+
+/// Rays one by one: kernel, level offset and elevation; the truth of the first ones, none within the
+/// margin.
+fn single(
+    (kernel, level_offset, elevation_deg): (&'static str, u32, f64),
+    rays: &[Ray],
+    truth: &[Option<bool>],
+    cast: impl Fn(&Ray) -> Sunlight + Sync + Send,
+) -> ShadowRow {
+    let begin = Instant::now();
+    let light: Vec<Sunlight> = rays.par_iter().map(cast).collect();
+    let seconds = begin.elapsed().as_secs_f64();
+    let each =
+        |count: fn(&Sunlight) -> u32| light.iter().map(|l| f64::from(count(l))).sum::<f64>() / light.len() as f64;
+    let wrong = truth.iter().zip(&light).filter(|(truth, l)| truth.is_some_and(|dark| dark != (l.visible == 0.0)));
+    ShadowRow {
+        elevation_deg,
+        kernel,
+        level_offset,
+        rays: rays.len(),
+        mray_per_s: rays.len() as f64 / seconds / 1e6,
+        heights_per_ray: each(|l| l.counts.heights),
+        extremes_per_ray: each(|l| l.counts.extremes),
+        checked: truth.len(),
+        wrong: wrong.count(),
+        inside_margin: truth.iter().filter(|truth| truth.is_none()).count(),
+        dark_share: each(|l| u32::from(l.visible == 0.0)),
+    }
 }
 
 /// All nodes of a plane under one sun.
@@ -156,6 +180,12 @@ fn sweep(world: &World, dense: &Dense, elevation_deg: f64, checked: usize) -> Sh
 /// (columns + 1) x (rows + 1) heights of a level, metres.
 fn dense(planet: &Planet, level: u32) -> Result<Vec<f32>, FormatError> {
     Ok(Dense::from_tiles(&planet.uniform(), planet.tiles(), level)?.nodes_m().to_vec())
+}
+
+/// The paper's pyramids over the dense level, without its far edges.
+fn paper_map(dense: &Dense, world: &World) -> PaperMap {
+    let texels = (0..dense.rows()).flat_map(|y| &dense.row_m(y)[..dense.columns()]).copied().collect();
+    PaperMap::new(world.m, world.spacing_m.map(|v| v as f32), texels)
 }
 
 fn world(planet: &Planet, dense: &Dense, uniform: &relief_shaders::planet::Planet) -> World {

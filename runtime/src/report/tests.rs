@@ -45,6 +45,21 @@ fn a_globe_is_measured_and_the_page_holds_what_was_found() {
 }
 
 #[test]
+fn on_a_plane_the_papers_kernel_stands_beside_ours() {
+    let folder = tempfile::tempdir().unwrap();
+    let body = Body::Plane { crs_wkt: String::new(), x0: 0.0, y0: 0.0, dx: 90.0, dy: 90.0 };
+    let report = run(&planet(folder.path(), body), "p.relief", &small(), &|_, _| {}).unwrap();
+    let wrong = |kernel: &str| -> usize {
+        let rows = report.shadows.iter().filter(|row| row.kernel == kernel && row.level_offset == 0);
+        rows.map(|row| row.wrong).sum()
+    };
+    assert_eq!((wrong("exact"), wrong("sweep")), (0, 0));
+    // What the paper gets wrong, the oracle notices.
+    assert!(wrong(PAPER[0]) > 0, "{:?}", report.shadows);
+    assert_eq!(report.shadows.iter().filter(|row| PAPER.contains(&row.kernel)).count(), 4 * 2 * 2);
+}
+
+#[test]
 fn the_measure_notices_a_mesh_that_is_off() {
     let folder = tempfile::tempdir().unwrap();
     let planet = planet(folder.path(), Body::moon());

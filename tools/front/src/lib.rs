@@ -2,6 +2,7 @@
 //!
 //! No GDAL and no GPU: both programs stand on this crate.
 
+pub mod bytes;
 pub mod error;
 pub mod gltf;
 pub mod picture;

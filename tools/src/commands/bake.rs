@@ -8,7 +8,6 @@ use clap::ValueEnum;
 use relief_formats::mesh::MeshLayout;
 
 use super::Outcome;
-pub(crate) use super::source_args::parse_bytes;
 use super::source_args::{SourceArgs, refusal};
 use crate::bake::{BakeOptions, bake};
 use crate::source::Resample;

@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 
 use crate::source::{BodyChoice, Fill, Registration, Resample, SourceOptions, Unit, Vertical};
+use relief_front::bytes::parse_bytes;
 use relief_front::error::ToolError;
 
 /// How the inputs are to be understood; each replaces what the files say of themselves.
@@ -150,38 +151,9 @@ fn parse_numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     numbers?.try_into().ok()
 }
 
-/// Bytes with an optional binary or decimal suffix.
-pub(crate) fn parse_bytes(text: &str) -> Result<u64, String> {
-    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    let factor: f64 = match text[digits.len()..].to_ascii_lowercase().as_str() {
-        "" | "b" => 1.0,
-        "k" | "kib" => 1024.0,
-        "m" | "mib" => 1024.0 * 1024.0,
-        "g" | "gib" => 1024.0 * 1024.0 * 1024.0,
-        "kb" => 1e3,
-        "mb" => 1e6,
-        "gb" => 1e9,
-        _ => return Err(refusal("bytes, or a number with KiB, MiB, GiB, kB, MB or GB", "write it as 512MiB")),
-    };
-    match digits.trim().parse::<f64>() {
-        Ok(v) if v >= 1.0 && v * factor < 1e18 => Ok((v * factor) as u64),
-        _ => Err(refusal("it is a positive number of bytes", "write it as 512MiB")),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sizes_with_suffixes() {
-        assert_eq!(parse_bytes("1GiB"), Ok(1 << 30));
-        assert_eq!(parse_bytes("1.5MB"), Ok(1_500_000));
-        assert_eq!(parse_bytes("4096"), Ok(4096));
-        for bad in ["", "-1", "0", "12XB", "GiB", "nan"] {
-            assert!(parse_bytes(bad).is_err(), "{bad}");
-        }
-    }
 
     #[test]
     fn words_of_the_command_line() {

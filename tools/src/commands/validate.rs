@@ -3,10 +3,10 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use super::bake::parse_bytes;
 use crate::commands::Outcome;
 use crate::source::Registration;
 use crate::validate::{Against, Level, Options, check, validate};
+use relief_front::bytes::parse_bytes;
 use relief_front::error::ToolError;
 use relief_front::publish::publish;
 

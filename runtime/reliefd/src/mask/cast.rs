@@ -15,11 +15,10 @@ use relief_runtime::view::Sun;
 use relief_shaders::shadow::dense::nodes_of;
 use relief_shaders::shadow::sweep::{PlaneNodes, sweep_mask};
 
+use super::parts::{Whole, parts};
 use crate::backend::{ATLAS_BYTES, Backend};
 use crate::errors::{of_device, of_render};
 
-/// Nodes along a side of what is cast at once: few pages do for its rays.
-const PART: u32 = 512;
 /// Longest wait for the pages of a part.
 const WAIT: Duration = Duration::from_secs(600);
 /// A plane's level is swept whole when its nodes take no more than this.
@@ -109,34 +108,18 @@ impl Caster {
 
 impl Rays {
     fn mask(&mut self, sun: [f32; 4], air: f32, rectangle: Rectangle) -> Result<(Vec<u8>, WindowCounts), ToolError> {
-        let columns = self.planet.grid().width(self.level);
-        let stride = rectangle.columns as usize;
-        let mut mask = vec![0; stride * rectangle.rows as usize];
+        let like = ShadowWindow { sun, air, level: self.level, ..ShadowWindow::default() };
+        let mut whole = Whole::new(rectangle);
         let mut all = WindowCounts::default();
-        for y in (0..rectangle.rows).step_by(PART as usize) {
-            for x in (0..rectangle.columns).step_by(PART as usize) {
-                let window = ShadowWindow {
-                    sun,
-                    air,
-                    x: (rectangle.column + i64::from(x)).rem_euclid(i64::from(columns)) as u32,
-                    y: rectangle.row + y,
-                    columns: PART.min(rectangle.columns - x),
-                    rows: PART.min(rectangle.rows - y),
-                    level: self.level,
-                    ..ShadowWindow::default()
-                };
-                let part = self.part(&window)?;
-                for (k, lit) in (0..).zip(part.lit.chunks_exact(window.columns as usize)) {
-                    let row = (rectangle.rows - 1 - y - k) as usize;
-                    mask[row * stride + x as usize..][..lit.len()].copy_from_slice(lit);
-                }
-                all.rays += part.counts.rays;
-                all.heights += part.counts.heights;
-                all.extremes += part.counts.extremes;
-                all.steps += part.counts.steps;
-            }
+        for part in parts(rectangle, self.planet.grid(), like) {
+            let mask = self.part(&part.window)?;
+            whole.put(&part, &mask.lit);
+            all.rays += mask.counts.rays;
+            all.heights += mask.counts.heights;
+            all.extremes += mask.counts.extremes;
+            all.steps += mask.counts.steps;
         }
-        Ok((mask, all))
+        Ok((whole.into_lit(), all))
     }
 
     fn part(&mut self, window: &ShadowWindow) -> Result<Mask, ToolError> {

@@ -1,6 +1,9 @@
 //! `reliefd mask`: how much of the sun every node sees.
 
+pub mod asked;
 mod cast;
+pub mod parts;
+pub mod raster;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -11,17 +14,18 @@ use chrono::{DateTime, Utc};
 use relief_front::error::ToolError;
 use relief_front::publish::publish;
 use relief_front::stdout::print;
-use relief_front::window::{Bounds, Rectangle, Samples};
-use relief_runtime::geotiff::{Georeference, sidecar, write_mask};
+use relief_front::window::{Rectangle, Samples};
+use relief_runtime::geotiff::sidecar;
 use relief_runtime::planet::Planet;
 use relief_runtime::shadow::WindowCounts;
-use relief_runtime::view::SUN_RADIUS_DEG;
 
+use self::asked::{MaskArgs, without_sun};
 use self::cast::Caster;
+use self::raster::write_tif;
 use crate::Outcome;
 use crate::backend::{Backend, BackendChoice};
 use crate::errors::open;
-use crate::light::{Light, SunArgs};
+use crate::light::Light;
 use crate::output::{check_name, extension, write_grey_png};
 use crate::typed::{TimesArg, plain};
 
@@ -43,22 +47,10 @@ pub struct Args {
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
-    sun: SunArgs,
+    asked: MaskArgs,
     /// A mask for each time from FROM to TO (RFC 3339), STEP as 30s, 15min, 1h or 1d
     #[arg(long, value_name = "FROM,TO,STEP", conflicts_with_all = ["sun", "time"])]
     times: Option<TimesArg>,
-    /// Level of the nodes; 0 is the finest
-    #[arg(long, value_name = "K", default_value_t = 0)]
-    level: u32,
-    /// Part of the map: degrees (a plane: CRS units); east may lie beyond the antimeridian
-    #[arg(long, value_name = "W,S,E,N", allow_hyphen_values = true)]
-    window: Option<Bounds>,
-    /// Soft edges: the sun is a disk, not a point
-    #[arg(long)]
-    soft: bool,
-    /// Density of the air that lifts the sun's light, 1 on Earth at sea level
-    #[arg(long, value_name = "N", default_value_t = 0.0)]
-    air: f32,
     /// Where the kernels run
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendChoice,
@@ -78,29 +70,25 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     check_name("--output", &args.output, &["tif", "tiff", "png"])?;
     let planet = open(&args.file)?;
     let lights = lights(args, &planet)?;
-    let (samples, rectangle) = rectangle(args, &planet)?;
-    if !(0.0..=100.0).contains(&args.air) {
-        let what = format!("--air {}", args.air);
-        return Err(ToolError::usage(what, "a density is 0 to 100 times the Earth's", "give --air 1, or leave it out"));
-    }
+    let asked = &args.asked;
+    let (samples, rectangle) = asked.nodes(&planet)?;
     let backend = Backend::find(args.backend)?;
     // What a sweep over a plane cannot do.
-    let single = args.soft || args.air > 0.0;
-    let mut caster = Caster::new(Arc::clone(&planet), &args.file, args.level, &backend, single)?;
-    let radius_deg = if args.soft { SUN_RADIUS_DEG } else { 0.0 };
+    let single = asked.soft || asked.air > 0.0;
+    let mut caster = Caster::new(Arc::clone(&planet), &args.file, asked.level, &backend, single)?;
     for light in &lights {
         let began = Instant::now();
-        let (mask, counts) = caster.mask(&light.sun, [radius_deg, f64::from(args.air)], rectangle)?;
+        let (mask, counts) = caster.mask(&light.sun, [asked.radius_deg(), f64::from(asked.air)], rectangle)?;
         let cast = began.elapsed();
         let path = match (&args.times, light.time) {
             (Some(_), Some(time)) => stamped(&args.output, time),
             _ => args.output.clone(),
         };
-        write(args, &path, &planet, light, (&samples, rectangle), &mask)?;
+        write(&path, &planet, asked.level, light, (&samples, rectangle), &mask)?;
         let lit = mask.iter().map(|&v| u64::from(v)).sum::<u64>() as f64 / 255.0 / mask.len() as f64;
         print(&match args.stats {
             true => stats(&path, &backend, rectangle, lit, cast, counts),
-            false => said(&path, rectangle, args.level, lit),
+            false => said(&path, rectangle, asked.level, lit),
         })?;
     }
     Ok(Outcome::Good)
@@ -139,34 +127,7 @@ fn lights(args: &Args, planet: &Planet) -> Result<Vec<Light>, ToolError> {
     if let Some(TimesArg(times)) = &args.times {
         return times.iter().map(|&time| Light::at(planet, time)).collect();
     }
-    args.sun.light(planet)?.map(|light| vec![light]).ok_or_else(|| {
-        let (sun, times) = match planet.grid().plane {
-            true => ("--sun AZIMUTH,ELEVATION", ""),
-            false => ("--sun LON,LAT", ", --time TIME or --times FROM,TO,STEP"),
-        };
-        ToolError::usage("a mask without a sun", "shadows have a sun", format!("give {sun}{times}"))
-    })
-}
-
-fn rectangle(args: &Args, planet: &Planet) -> Result<(Samples, Rectangle), ToolError> {
-    let coarsest = planet.grid().root_level();
-    if args.level > coarsest {
-        return Err(ToolError::usage(
-            format!("--level {}", args.level),
-            format!("the file has the levels 0 (finest) to {coarsest}"),
-            "ask for one of these levels; `relief-bake inspect` lists them",
-        ));
-    }
-    let samples = Samples::of(planet.relief(), args.level, false);
-    let bounds = args.window.unwrap_or_else(|| Bounds::whole(&samples)).ordered(samples.wraps)?;
-    let rectangle = bounds.samples(&samples).ok_or_else(|| {
-        ToolError::usage(
-            format!("--window {},{},{},{}", bounds.west, bounds.south, bounds.east, bounds.north),
-            "a window holds at least one node of the level",
-            "widen it or give a finer --level; `relief-bake inspect` shows where the file lies",
-        )
-    })?;
-    Ok((samples, rectangle))
+    args.asked.sun.light(planet)?.map(|light| vec![light]).ok_or_else(|| without_sun(planet, true))
 }
 
 /// MASK.tif as MASK_20260621T120000Z.tif.
@@ -177,30 +138,18 @@ fn stamped(path: &Path, time: DateTime<Utc>) -> PathBuf {
 }
 
 fn write(
-    args: &Args,
     path: &Path,
     planet: &Planet,
+    level: u32,
     light: &Light,
-    (samples, rectangle): (&Samples, Rectangle),
+    nodes: (&Samples, Rectangle),
     mask: &[u8],
 ) -> Result<(), ToolError> {
-    let size = [rectangle.columns, rectangle.rows];
     if extension(path) == "png" {
-        return write_grey_png(path, size, mask);
+        return publish(path, |out| write_grey_png(out, [nodes.1.columns, nodes.1.rows], mask));
     }
-    let mut metadata = vec![
-        ("RELIEF_PLANE", "shadow".to_owned()),
-        ("RELIEF_LEVEL", args.level.to_string()),
-        (if samples.wraps { "SUB_SOLAR_DEG" } else { "SUN_AZIMUTH_ELEVATION_DEG" }, light.angles()),
-    ];
-    metadata.extend(light.time.map(|time| ("TIME", plain(time))));
-    let georeference = Georeference {
-        body: planet.relief().body(),
-        geo_transform: samples.geo_transform(rectangle),
-        metadata: &metadata,
-    };
     beside(path, sidecar(planet.relief().body()))?;
-    publish(path, |out| write_mask(out, size, mask, &georeference).map_err(std::io::Error::other))
+    publish(path, |out| write_tif(out, planet, level, light, nodes, mask))
 }
 
 /// Writes GDAL's file beside a raster, or removes one that belonged to an earlier raster.

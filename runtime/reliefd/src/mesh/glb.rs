@@ -17,11 +17,12 @@ const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 const MOST_BYTES: usize = u32::MAX as usize;
 
-/// The bytes of a .glb.
+/// The bytes of a .glb; the triangles are put in order, for a GPU yields them in any.
 ///
 /// # Errors
 /// No triangle, or more than a .glb can hold.
-pub fn glb(planet: &Planet, camera: &Camera, triangles: &[ReliefTriangle]) -> Result<Vec<u8>, ToolError> {
+pub fn glb(planet: &Planet, camera: &Camera, mut triangles: Vec<ReliefTriangle>) -> Result<Vec<u8>, ToolError> {
+    triangles.sort_unstable_by_key(|corners| corners.map(|corner| (corner.s, corner.t)));
     if triangles.is_empty() {
         return Err(ToolError::usage(
             "--mesh of a view of the sky",
@@ -29,7 +30,7 @@ pub fn glb(planet: &Planet, camera: &Camera, triangles: &[ReliefTriangle]) -> Re
             "turn the camera to the ground, or leave --mesh out",
         ));
     }
-    let vertices = Vertices::new(planet, camera, 0.0, triangles);
+    let vertices = Vertices::new(planet, camera, 0.0, &triangles);
     let normals = vertices.normals();
     let Vertices { positions, indices, .. } = &vertices;
     let (vertex_bytes, index_bytes) = (12 * positions.len(), 4 * indices.len());

@@ -117,13 +117,11 @@ fn write(
     let pixels = frame.colour.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
     write_png(&args.out, &RgbImage { width: frame.width as usize, height: frame.height as usize, pixels })?;
     if let Some(path) = &args.mask {
-        write_grey_png(path, [frame.width, frame.height], &frame.lit)?;
+        publish(path, |out| write_grey_png(out, [frame.width, frame.height], &frame.lit))?;
     }
     if let Some(path) = &args.mesh {
-        let mut triangles = renderer.mesh(view, settings.scheme).map_err(of_render(&args.file))?;
-        // A GPU yields them in any order.
-        triangles.sort_unstable_by_key(|corners| corners.map(|corner| (corner.s, corner.t)));
-        let bytes = glb(planet, &view.camera, &triangles)?;
+        let triangles = renderer.mesh(view, settings.scheme).map_err(of_render(&args.file))?;
+        let bytes = glb(planet, &view.camera, triangles)?;
         publish(path, |out| std::io::Write::write_all(out, &bytes))?;
     }
     Ok(())

@@ -12,7 +12,7 @@ use relief_runtime::view as library;
 
 use crate::errors::of_render;
 use crate::light::SunArgs;
-use crate::typed::{AnglesArg, CameraArg, SizeArg, time};
+use crate::typed::{AnglesArg, CameraArg, SizeArg, plain, time};
 use crate::view_args::{OverlayChoice, SchemeChoice, ShadowChoice, ViewArgs};
 
 /// A view of a planet, how it is drawn, and where its sun stands: sub-solar longitude and latitude,
@@ -72,10 +72,43 @@ fn args(view: &View) -> Result<ViewArgs, Fault> {
     })
 }
 
-/// What a command would print, as a fault.
+/// What was asked in the words of the command line, as a viewer says it.
+pub fn view_of(args: &ViewArgs) -> View {
+    let CameraArg { x, y, height_m, turned_deg: [heading, pitch, roll] } = args.camera;
+    let (sun, at) = args.sun.given();
+    View {
+        pose: vec![x, y, height_m, heading, pitch, roll],
+        fov: args.fov,
+        size: args.size.0,
+        sun,
+        time: at.map(plain),
+        pixel_error: args.pixel_error,
+        scheme: match args.scheme {
+            SchemeChoice::Leb => protocol::Scheme::Leb,
+            SchemeChoice::Paper => protocol::Scheme::Paper,
+        },
+        shadow: match args.shadow {
+            ShadowChoice::Exact => protocol::Shadow::Exact,
+            ShadowChoice::Paper => protocol::Shadow::Paper,
+            ShadowChoice::None => protocol::Shadow::None,
+        },
+        soft: args.soft,
+        air: args.air,
+        overlay: match args.overlay {
+            None => protocol::Overlay::None,
+            Some(OverlayChoice::Wireframe) => protocol::Overlay::Wireframe,
+            Some(OverlayChoice::Lod) => protocol::Overlay::Lod,
+            Some(OverlayChoice::Pages) => protocol::Overlay::Pages,
+            Some(OverlayChoice::Error) => protocol::Overlay::Error,
+        },
+    }
+}
+
+/// What a command would print, as a fault. Flags lose their dashes: viewers know their names without.
 pub fn of_tool(code: Code, error: &ToolError) -> Fault {
+    let bare = |text: &str| text.replace("--", "");
     match error {
-        ToolError::Usage { what, rule, remedy } => Fault::new(code, what, rule, remedy),
+        ToolError::Usage { what, rule, remedy } => Fault::new(code, bare(what), bare(rule), bare(remedy)),
         other => Fault::new(
             Code::Internal,
             other.to_string(),

@@ -105,6 +105,17 @@ impl Hub {
         self.clients.fetch_add(1, Ordering::Relaxed)
     }
 
+    /// Whether this daemon has a token.
+    pub fn has_token(&self) -> bool {
+        self.token.is_some()
+    }
+
+    /// Waits until no viewer is attached.
+    pub async fn emptied(&self) {
+        // It is never closed.
+        let _ = self.seats.acquire_many(u32::try_from(self.most_viewers).unwrap_or(u32::MAX)).await;
+    }
+
     /// Whether a token opens this daemon. Hashes are compared in constant time.
     pub fn admits(&self, token: Option<&str>) -> bool {
         self.token.is_none_or(|hash| token.is_some_and(|token| blake3::hash(token.as_bytes()) == hash))
@@ -206,6 +217,7 @@ impl Listener for Ear {
 
     fn replaced(&self, planet: &Arc<Planet>) {
         *self.planet.write().unwrap_or_else(PoisonError::into_inner) = Arc::clone(planet);
+        self.meters.replaced(&self.name);
         tracing::info!(planet = self.name, "the file was replaced; cameras are drawn anew");
         let backend = self.backend.get().map_or("", String::as_str);
         // Nobody may be attached.
@@ -216,7 +228,7 @@ impl Listener for Ear {
         // All viewers hear of it, those who look at other planets too.
         let fault = Fault { what: format!("{}: {}", self.name, fault.what), ..fault };
         tracing::warn!(planet = self.name, code = ?fault.code, "{}", fault.what);
-        self.meters.fault(fault.code);
+        self.meters.planet_fault(&self.name, fault.code);
         let _ = self.news.send(ToViewer::Error(fault));
     }
 }

@@ -7,38 +7,10 @@ use std::pin::Pin;
 use std::task::{Context, Poll, ready};
 use std::time::Duration;
 
-use axum::serve::Listener;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Instant, Sleep, sleep};
 
-/// A listener whose connections end after so long without a byte in either direction.
-pub struct Idle<L> {
-    listener: L,
-    most: Duration,
-}
-
-impl<L> Idle<L> {
-    /// Connections of `listener`.
-    pub fn new(listener: L, most: Duration) -> Self {
-        Self { listener, most }
-    }
-}
-
-impl<L: Listener> Listener for Idle<L> {
-    type Io = Watched<L::Io>;
-    type Addr = L::Addr;
-
-    async fn accept(&mut self) -> (Self::Io, Self::Addr) {
-        let (stream, address) = self.listener.accept().await;
-        (Watched { stream, most: self.most, moved: Instant::now(), timer: Box::pin(sleep(self.most)) }, address)
-    }
-
-    fn local_addr(&self) -> Result<Self::Addr> {
-        self.listener.local_addr()
-    }
-}
-
-/// A connection.
+/// A connection that ends after so long without a byte in either direction.
 pub struct Watched<S> {
     stream: S,
     most: Duration,
@@ -48,6 +20,11 @@ pub struct Watched<S> {
 }
 
 impl<S: Unpin> Watched<S> {
+    /// Watches a connection.
+    pub fn new(stream: S, most: Duration) -> Self {
+        Self { stream, most, moved: Instant::now(), timer: Box::pin(sleep(most)) }
+    }
+
     /// What a poll of the stream yields: bytes, or an error once nothing has moved for too long.
     fn watch<T>(&mut self, context: &mut Context<'_>, polled: Poll<Result<T>>) -> Poll<Result<T>> {
         if polled.is_ready() {

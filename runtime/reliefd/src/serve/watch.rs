@@ -148,7 +148,7 @@ impl Watched {
 
     async fn open(&mut self, hub: &Hub) {
         let (path, cache_bytes) = (self.served.path.clone(), self.served.planet().tiles().cache_bytes());
-        let opened = tokio::task::spawn_blocking(move || super::open(&path, cache_bytes)).await;
+        let opened = tokio::task::spawn_blocking(move || super::planets::open(&path, cache_bytes)).await;
         let planet = match opened {
             Ok(Ok(planet)) => planet,
             Ok(Err(error)) => return hub.fault(&self.served.name, refused(&self.served.path, &error)),

@@ -7,17 +7,18 @@ use relief_formats::file::FormatError;
 use relief_formats::tile::TileKey;
 use relief_runtime::cpu::Cpu;
 use relief_runtime::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings};
-use relief_runtime::gpu::{DeviceError, Gpu};
+use relief_runtime::gpu::{DeviceError, Gpu, ShadowMasks};
 use relief_runtime::planet::Planet;
 use relief_runtime::residency::Progress;
+use relief_runtime::shadow::{Mask, ShadowWindow, mask_in_ram};
 use relief_runtime::view::View;
 
 use crate::backend::Backend;
 
 /// A resident set and what draws from it.
 pub enum Drawer {
-    /// On a GPU.
-    Gpu(Box<Gpu>),
+    /// On a GPU; the pipeline of masks is made when one is asked for.
+    Gpu(Box<Gpu>, Option<Box<ShadowMasks>>),
     /// On all cores.
     Cpu(Box<Cpu>),
 }
@@ -29,14 +30,17 @@ impl Drawer {
     /// What the device says, or a damaged tile of the coarsest level.
     pub fn new(backend: &Backend, planet: &Arc<Planet>, atlas_bytes: u64) -> Result<Self, RenderError> {
         Ok(match backend {
-            Backend::Gpu(device) => Self::Gpu(Box::new(Gpu::new(device, Arc::clone(planet), atlas_bytes)?)),
+            Backend::Gpu(device) => {
+                let gpu = Gpu::new(device, Arc::clone(planet), atlas_bytes)?;
+                Self::Gpu(Box::new(gpu), None)
+            }
             Backend::Cpu => Self::Cpu(Box::new(Cpu::new(Arc::clone(planet), atlas_bytes)?)),
         })
     }
 
     fn renderer(&mut self) -> &mut dyn Renderer {
         match self {
-            Self::Gpu(gpu) => &mut **gpu,
+            Self::Gpu(gpu, _) => &mut **gpu,
             Self::Cpu(cpu) => &mut **cpu,
         }
     }
@@ -44,7 +48,7 @@ impl Drawer {
     /// Pages in the atlas.
     pub fn resident(&self) -> usize {
         match self {
-            Self::Gpu(gpu) => gpu.resident().count(),
+            Self::Gpu(gpu, _) => gpu.resident().count(),
             Self::Cpu(cpu) => cpu.resident().count(),
         }
     }
@@ -59,6 +63,23 @@ impl Drawer {
         self.renderer().mesh(view, scheme)
     }
 
+    /// How much of the sun the nodes of a window see, with the tiles that can be had in `time`.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn mask(&mut self, window: &ShadowWindow, time: Duration) -> Result<Mask, DeviceError> {
+        match self {
+            Self::Gpu(gpu, masks) => {
+                let made = match masks.take() {
+                    Some(made) => made,
+                    None => Box::new(ShadowMasks::new(gpu.device())?),
+                };
+                masks.insert(made).of(gpu.resident_mut(), window, time)
+            }
+            Self::Cpu(cpu) => Ok(mask_in_ram(cpu.resident_mut(), window, time)),
+        }
+    }
+
     /// See [`Renderer::update`].
     pub fn update(&mut self, budget: Duration) -> Progress {
         self.renderer().update(budget)
@@ -67,7 +88,7 @@ impl Drawer {
     /// Pages that the last picture lacked; see `Resident::lacked`.
     pub fn lacked(&self) -> Vec<u32> {
         match self {
-            Self::Gpu(gpu) => gpu.resident().lacked().to_vec(),
+            Self::Gpu(gpu, _) => gpu.resident().lacked().to_vec(),
             Self::Cpu(cpu) => cpu.resident().lacked().to_vec(),
         }
     }
@@ -76,7 +97,7 @@ impl Drawer {
     pub fn ask(&mut self, pages: &[u32]) {
         let pages = pages.iter().copied();
         match self {
-            Self::Gpu(gpu) => gpu.resident_mut().ask(pages),
+            Self::Gpu(gpu, _) => gpu.resident_mut().ask(pages),
             Self::Cpu(cpu) => cpu.resident_mut().ask(pages),
         };
     }
@@ -84,7 +105,7 @@ impl Drawer {
     /// How many of these pages are still to come.
     pub fn still_lacks(&self, pages: &[u32]) -> usize {
         match self {
-            Self::Gpu(gpu) => gpu.resident().still_lacks(pages),
+            Self::Gpu(gpu, _) => gpu.resident().still_lacks(pages),
             Self::Cpu(cpu) => cpu.resident().still_lacks(pages),
         }
     }
@@ -95,7 +116,7 @@ impl Drawer {
             tiles.fold((0, None), |(count, said), (_, error)| (count + 1, said.or_else(|| Some(error.to_string()))))
         }
         match self {
-            Self::Gpu(gpu) => of(gpu.resident().damaged()),
+            Self::Gpu(gpu, _) => of(gpu.resident().damaged()),
             Self::Cpu(cpu) => of(cpu.resident().damaged()),
         }
     }
@@ -106,7 +127,7 @@ impl Drawer {
     /// See `Device::check`.
     pub fn check(&self) -> Result<(), DeviceError> {
         match self {
-            Self::Gpu(gpu) => gpu.device().check(),
+            Self::Gpu(gpu, _) => gpu.device().check(),
             Self::Cpu(_) => Ok(()),
         }
     }

@@ -24,7 +24,8 @@ const READ_BYTES: usize = 8 << 10;
 /// A query with the token, where there is one.
 #[derive(serde::Deserialize)]
 pub struct Token {
-    token: Option<String>,
+    /// As it was sent.
+    pub token: Option<String>,
 }
 
 /// `GET /v1/attach`.

@@ -31,16 +31,12 @@ impl Rings {
         let envelope = header.envelope();
         let bytes = (envelope.len() + payload.len()) as u64;
         let slots = slots(header.parts);
-        let known = self.0.iter().position(|(camera, _)| *camera == header.camera).map(|at| self.0.remove(at));
+        let known = self.0.iter().position(|(camera, _)| *camera == header.camera).map(|at| self.0.remove(at).1);
         let fits = |ring: &Ring| ring.layout().slots() >= slots && ring.layout().slot_bytes() >= bytes;
-        let (old, new) = match known {
-            Some((_, ring)) if fits(&ring) => (Some(ring), None),
-            _ => (None, Some(Ring::new(layout(slots, bytes)?)?)),
-        };
-        let is_new = new.is_some();
-        if let Some(ring) = old.or(new) {
-            self.0.push((header.camera.clone(), ring));
-        }
+        let old = known.filter(fits);
+        let is_new = old.is_none();
+        let ring = old.map_or_else(|| Ring::new(layout(slots, bytes)?), Ok)?;
+        self.0.push((header.camera.clone(), ring));
         if self.0.len() > MOST_CAMERAS {
             // Of a camera that was detached: there are no more. Should it live, it gets a new one.
             self.0.remove(0);

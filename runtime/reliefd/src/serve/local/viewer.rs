@@ -12,12 +12,8 @@ use tokio::time::{Instant, timeout, timeout_at};
 use super::lines::{Lines, send};
 use super::rings::Rings;
 use crate::serve::hub::Hub;
+use crate::serve::patience::patience;
 use crate::serve::session::{Out, Session, outbox};
-
-/// Time for the first message.
-const HELLO: Duration = Duration::from_secs(10);
-/// Time for a message to be taken by a viewer.
-const SEND: Duration = Duration::from_secs(30);
 
 /// Serves a viewer until it goes.
 pub async fn serve(hub: Arc<Hub>, stream: UnixStream) {
@@ -33,7 +29,7 @@ pub async fn serve(hub: Arc<Hub>, stream: UnixStream) {
     let news = hub.news();
     // Who may open the socket needs no token.
     let session = Session::new(Arc::clone(&hub), seat, outbox.clone(), true);
-    let mut writing = std::pin::pin!(write(&stream, receiver, news));
+    let mut writing = std::pin::pin!(write(&stream, receiver, news, patience().send));
     let last = tokio::select! {
         last = read(session, &stream) => last,
         () = &mut writing => return tracing::info!(viewer, "detached: it does not read, or is gone"),
@@ -43,7 +39,7 @@ pub async fn serve(hub: Arc<Hub>, stream: UnixStream) {
         hub.meters.fault(fault.code);
         let ending = async { tokio::join!(outbox.end(ToViewer::Error(fault)), writing) };
         // A viewer that does not read is not told.
-        let _ = timeout(SEND, ending).await;
+        let _ = timeout(patience().send, ending).await;
     }
 }
 
@@ -51,13 +47,13 @@ pub async fn serve(hub: Arc<Hub>, stream: UnixStream) {
 async fn refuse(hub: &Hub, stream: &UnixStream, fault: Fault) {
     hub.meters.fault(fault.code);
     // It may be gone.
-    let _ = timeout(SEND, send(stream, &ToViewer::Error(fault).text(), None)).await;
+    let _ = timeout(patience().send, send(stream, &ToViewer::Error(fault).text(), None)).await;
 }
 
 /// Reads until the viewer goes; the fault it is to be told last, if there is one.
 async fn read(mut session: Session, stream: &UnixStream) -> Option<Fault> {
     let mut lines = Lines::new(stream);
-    let hello = Instant::now() + HELLO;
+    let hello = Instant::now() + patience().hello;
     loop {
         // The system tells when a local viewer is gone: after the hello it may be silent.
         let line = match session.is_welcomed() {
@@ -76,8 +72,13 @@ async fn read(mut session: Session, stream: &UnixStream) -> Option<Fault> {
     }
 }
 
-/// Writes until the last message, or until the viewer takes no more.
-async fn write(stream: &UnixStream, mut receiver: mpsc::Receiver<Out>, mut news: broadcast::Receiver<ToViewer>) {
+/// Writes until the last message, or until the viewer does not take one in time.
+async fn write(
+    stream: &UnixStream,
+    mut receiver: mpsc::Receiver<Out>,
+    mut news: broadcast::Receiver<ToViewer>,
+    in_time: Duration,
+) {
     let mut rings = Rings::default();
     loop {
         let out = tokio::select! {
@@ -92,7 +93,7 @@ async fn write(stream: &UnixStream, mut receiver: mpsc::Receiver<Out>, mut news:
         };
         let Some(out) = out else { return };
         let last = matches!(out, Out::End(_));
-        let sent = timeout(SEND, put(stream, &mut rings, out)).await;
+        let sent = timeout(in_time, put(stream, &mut rings, out)).await;
         if last || !matches!(sent, Ok(Ok(()))) {
             return;
         }
@@ -128,4 +129,24 @@ async fn put(stream: &UnixStream, rings: &mut Rings, out: Out) -> std::io::Resul
 
 fn silence() -> Fault {
     Fault::new(Code::Timeout, "silence", "a viewer says hello within 10 seconds", "attach again").fatal()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_viewer_that_does_not_read_is_given_up() {
+        let (ours, theirs) = UnixStream::pair().unwrap();
+        let (outbox, receiver) = outbox();
+        let (_teller, news) = broadcast::channel(1);
+        let talking = async {
+            // The daemon's buffer and the system's: more than both hold.
+            while outbox.tell(ToViewer::Bye { reason: "x".repeat(60_000) }).await.is_ok() {}
+        };
+        let writing = write(&ours, receiver, news, Duration::from_millis(50));
+        timeout(Duration::from_secs(20), async { tokio::join!(talking, writing) }).await.unwrap();
+        drop(theirs);
+    }
 }

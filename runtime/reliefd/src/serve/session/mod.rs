@@ -2,7 +2,7 @@
 //! to be told into an outbox.
 
 mod outbox;
-mod pack;
+pub mod pack;
 mod pick;
 
 use std::collections::HashMap;
@@ -166,9 +166,12 @@ impl Session {
             match result {
                 Ok(picture) => {
                     runtime.spawn_blocking(move || {
+                        let (began, mut bytes) = (Instant::now(), 0);
                         for payload in pack::payloads(&picture, &name, streams) {
+                            bytes += payload.bytes.len() as u64;
                             outbox.post(Out::Payload(payload));
                         }
+                        meters.packed(began.elapsed(), bytes);
                     });
                 }
                 Err(fault) => {

@@ -51,7 +51,7 @@ pub fn payloads<'a>(picture: &'a Picture, camera: &'a str, streams: Streams) -> 
 }
 
 /// A frame, packed.
-fn frame_bytes(frame: &frame::Frame, Frame { format, quality }: Frame) -> (Format, Vec<u8>) {
+pub fn frame_bytes(frame: &frame::Frame, Frame { format, quality }: Frame) -> (Format, Vec<u8>) {
     let pixels: &[u8] = frame.colour.as_flattened();
     match (format, u16::try_from(frame.width), u16::try_from(frame.height)) {
         (FrameFormat::Jpeg, Ok(width), Ok(height)) => {

@@ -1,0 +1,4 @@
+//! What whoever runs the daemon asks.
+
+pub mod health;
+pub mod metrics;

@@ -1,0 +1,187 @@
+//! `GET /v1/planets/{name}/shadow`: what `reliefd mask` writes, cast by the planet's engine in parts, so
+//! that pictures go on meanwhile.
+
+use std::io::Cursor;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use axum::extract::State;
+use axum::http::{HeaderName, header};
+use axum::response::{IntoResponse as _, Response};
+use relief_front::window::{Rectangle, Samples};
+use relief_protocol::error::{Code, Fault};
+use relief_runtime::geotiff::sidecar;
+use relief_runtime::planet::Planet;
+use relief_runtime::shadow::{ShadowWindow, sun_of};
+
+use crate::light::Light;
+use crate::mask::asked::{MaskArgs, without_sun};
+use crate::mask::parts::{Part, Whole, parts};
+use crate::mask::raster::write_tif;
+use crate::output::write_grey_png;
+use crate::serve::ask::{of_draw, of_tool};
+use crate::serve::http::at::At;
+use crate::serve::http::off_thread::off_thread;
+use crate::serve::http::refused::Refused;
+use crate::serve::http::words::Words;
+use crate::serve::hub::{Hub, Served};
+
+/// Most nodes of a mask.
+const MOST_NODES: u64 = 16 << 20;
+/// Time for tiles in one turn at the engine.
+const TURN: Duration = Duration::from_millis(50);
+/// Longest time for all tiles of a part.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A mask that is asked for.
+#[derive(Debug, clap::Args)]
+pub struct ShadowArgs {
+    #[command(flatten)]
+    mask: MaskArgs,
+    /// How it is packed
+    #[arg(long, value_enum, default_value = "png")]
+    format: MaskFormat,
+}
+
+/// How masks are packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum MaskFormat {
+    /// 8-bit grey
+    Png,
+    /// GeoTIFF
+    Tif,
+    /// What GDAL wants beside the GeoTIFF (.aux.xml), where its CRS has no EPSG code
+    Aux,
+}
+
+/// How much of the sun every node of a level sees: 0 shadow, 255 light
+///
+/// At most 16 777 216 nodes. Headers: X-Relief-Geotransform (GDAL's, of the nodes as pixels'
+/// centres), X-Relief-Sun, X-Relief-Lit (the share that is lit).
+#[utoipa::path(
+    get,
+    path = "/v1/planets/{name}/shadow",
+    params(At, Words<ShadowArgs>),
+    responses(
+        (status = 200, description = "The mask", content(
+            (Vec<u8> = "image/png"),
+            (Vec<u8> = "image/tiff"),
+            (String = "application/xml"),
+        )),
+        Refused,
+    )
+)]
+pub async fn shadow(
+    State(hub): State<Arc<Hub>>,
+    At(served): At,
+    Words(args): Words<ShadowArgs>,
+) -> Result<Response, Refused> {
+    let planet = served.planet();
+    if args.format == MaskFormat::Aux {
+        return beside(&planet);
+    }
+    let (samples, rectangle, light) = checked(&args.mask, &planet)?;
+    let lit = cast(&served, hub.client(), &planet, &args.mask, rectangle, &light).await?;
+    let share = lit.iter().map(|&lit| u64::from(lit)).sum::<u64>() as f64 / 255.0 / lit.len().max(1) as f64;
+    let transform = samples.geo_transform(rectangle).map(|number| number.to_string()).join(",");
+    let headers = [
+        (HeaderName::from_static("x-relief-geotransform"), transform),
+        (HeaderName::from_static("x-relief-sun"), light.angles()),
+        (HeaderName::from_static("x-relief-lit"), format!("{share:.6}")),
+    ];
+    let kind = if args.format == MaskFormat::Tif { "image/tiff" } else { "image/png" };
+    let bytes = off_thread(move |_| {
+        let mut out = Cursor::new(Vec::new());
+        let packed = match args.format {
+            MaskFormat::Tif => write_tif(&mut out, &planet, args.mask.level, &light, (&samples, rectangle), &lit),
+            _ => write_grey_png(&mut out, [rectangle.columns, rectangle.rows], &lit),
+        };
+        packed.map(|()| out.into_inner()).map_err(|error| {
+            Fault::new(Code::Internal, error.to_string(), "a mask can be packed", "tell whoever runs the daemon")
+        })
+    })
+    .await?;
+    Ok(([(header::CONTENT_TYPE, kind)], headers, bytes).into_response())
+}
+
+fn beside(planet: &Planet) -> Result<Response, Refused> {
+    let text = sidecar(planet.relief().body()).ok_or_else(|| {
+        Fault::new(
+            Code::Unknown,
+            "format=aux of a planet whose GeoTIFF says all",
+            "only a CRS without an EPSG code needs a file beside its GeoTIFF",
+            "ask for format=tif alone",
+        )
+    })?;
+    Ok(([(header::CONTENT_TYPE, "application/xml")], text).into_response())
+}
+
+fn checked(args: &MaskArgs, planet: &Planet) -> Result<(Samples, Rectangle, Light), Fault> {
+    let refused = |error| of_tool(Code::BadView, &error);
+    let light = args.sun.light(planet).map_err(refused)?.ok_or_else(|| refused(without_sun(planet, false)))?;
+    let (samples, rectangle) = args.nodes(planet).map_err(refused)?;
+    let Rectangle { columns, rows, .. } = rectangle;
+    if u64::from(columns) * u64::from(rows) > MOST_NODES {
+        return Err(Fault::new(
+            Code::TooLarge,
+            format!("a mask of {columns} x {rows} nodes of level {}", args.level),
+            format!("a mask has at most {MOST_NODES} nodes"),
+            "ask for a smaller window or a coarser level, or run `reliefd mask`",
+        ));
+    }
+    Ok((samples, rectangle, light))
+}
+
+async fn cast(
+    served: &Arc<Served>,
+    client: u64,
+    planet: &Arc<Planet>,
+    args: &MaskArgs,
+    rectangle: Rectangle,
+    light: &Light,
+) -> Result<Vec<u8>, Fault> {
+    let sun = sun_of(&light.sun, args.radius_deg());
+    let like = ShadowWindow { sun, air: args.air, level: args.level, ..ShadowWindow::default() };
+    let mut whole = Whole::new(rectangle);
+    for part in parts(rectangle, planet.grid(), like) {
+        let deadline = Instant::now() + PATIENCE;
+        let lit = loop {
+            match turn(served, client, planet, part).await? {
+                Ok(lit) => break lit,
+                Err(lacking) if Instant::now() >= deadline => return Err(without_tiles(lacking, args.level)),
+                Err(_) => {}
+            }
+        };
+        whole.put(&part, &lit);
+    }
+    Ok(whole.into_lit())
+}
+
+/// A part's nodes, or how many tiles their rays lack.
+async fn turn(
+    served: &Arc<Served>,
+    client: u64,
+    planet: &Arc<Planet>,
+    part: Part,
+) -> Result<Result<Vec<u8>, usize>, Fault> {
+    let (of, planet) = (Arc::clone(served), Arc::clone(planet));
+    let cast = served.engine.run(client, move |drawer| {
+        // On the engine's thread: this is the planet that it draws.
+        if !Arc::ptr_eq(&of.planet(), &planet) {
+            return Err(Fault::new(Code::Busy, "the planet's file was replaced", "a mask is of one file", "ask again"));
+        }
+        drawer.mask(&part.window, TURN).map_err(|error| of_draw(error.into()))
+    });
+    let mask = cast.await??;
+    Ok(if mask.lacking == 0 { Ok(mask.lit) } else { Err(mask.lacking) })
+}
+
+fn without_tiles(lacking: usize, level: u32) -> Fault {
+    Fault::new(
+        Code::Damaged,
+        format!("{lacking} tiles that rays need at level {level} are not at hand"),
+        "the tiles on the way of a part's rays can be read and fit the memory for tiles",
+        "ask for a coarser level; whoever runs the daemon gives it more memory, or checks the file with \
+         `relief-bake validate`",
+    )
+}
