@@ -20,6 +20,7 @@ import { Share } from './share.js';
 import { ViewState } from './state.js';
 import { Sun } from './sun.js';
 import { Surface } from './surface.js';
+import { Warp } from './warp.js';
 
 /** Without motion for so long the picture is asked for in all pixels. */
 const STILL_MS = 180;
@@ -46,6 +47,7 @@ const instruments = new Instruments(state, pilot);
 const search = new Search(state, pilot, questions);
 const inset = new Inset(state, connection, pilot);
 const share = new Share(state, connection, pilot, notices);
+const warp = new Warp(state, frames, pilot, marks);
 marks.measure = measure;
 
 function togglePanel(open = $('panel').hidden) {
@@ -142,6 +144,7 @@ function loop(now_ms) {
     keys.tick(seconds);
     sun.tick(seconds);
     pilot.tick(Math.min(seconds, 0.2));
+    warp.tick();
     instruments.tick();
     share.tick();
     if (connection.connected) {
@@ -163,11 +166,14 @@ window.relief = Object.freeze({
   get triangles() { return frames.shown?.header.stats.triangles ?? 0; },
   get sun() { return frames.shown?.header.sun ?? null; },
   get size() { return frames.shown?.header.size ?? null; },
+  get under() { return readout.last; },
+  /** The camera is on its way by itself. */
+  get moving() { return Boolean(pilot.flight || pilot.zoom); },
   get distance_m() { return measure.result?.distance_m ?? null; },
   /** The picture of the view as it is, whole and in all pixels, is shown. */
   get settled() {
     const note = frames.shown?.note;
-    const idle = !stale && !coarse && !frames.outstanding && !frames.next && !pilot.flight && !pilot.zoom;
+    const idle = !stale && !coarse && !frames.outstanding && !frames.next && !this.moving;
     return Boolean(idle && connection.connected && note && !note.moving && note.pose === state.pose && this.complete);
   },
 });

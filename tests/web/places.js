@@ -92,10 +92,12 @@ test('a bookmark restores the view', async () => {
     await page.click('#overlay [data-value=lod]');
     await page.click('#shadow [data-value=off]');
     await page.click('#zoom-in');
-    await page.waitForTimeout(700);
     await settled(page);
-    await until(page, () => /overlay=lod/.test(location.hash) && /shadow=off/.test(location.hash));
-    await page.waitForTimeout(500);
+    // The address follows a few times a second.
+    await until(page, () => {
+      const high = window.relief.pose.height_m.toPrecision(8);
+      return location.hash.includes(`,${Number(high)},`) && /shadow=off/.test(location.hash);
+    });
     hash = await page.evaluate(() => location.hash);
     shown = await picture(page);
   });
