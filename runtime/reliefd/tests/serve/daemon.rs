@@ -55,6 +55,7 @@ impl Daemon {
             .args(files)
             .env("RELIEFD_PATIENCE", patience.to_string())
             .env("RUST_LOG", "info")
+            .env("NO_COLOR", "1")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

@@ -15,8 +15,7 @@ fn silence_ends_a_connection_at_every_stage() {
     let folder = Folder::new();
     // Half a second for the hello, three for a sign of life, seven and a half for any byte.
     let daemon = Daemon::start(&[&folder.globe("a.relief", 8)], "", 0.05);
-    let mut witness = Viewer::of(&daemon, "a");
-    witness.look(down(0.0, 0.0, 3e6));
+    Viewer::of(&daemon, "a").look(down(0.0, 0.0, 3e6));
     let before = daemon.balance();
     let begin = Instant::now();
     let mut connected = TcpStream::connect(daemon.address()).unwrap();
@@ -37,11 +36,12 @@ fn silence_ends_a_connection_at_every_stage() {
     assert!(begin.elapsed() < LONG, "it ended by itself");
     daemon.says("code=Some(Timeout)", 2);
     // Who answers pings stays.
+    let mut witness = Viewer::of(&daemon, "a");
     let stay = Instant::now();
     while stay.elapsed().as_secs_f64() < 4.0 {
         witness.look(down(stay.elapsed().as_secs_f64(), 0.0, 3e6));
     }
-    drop((connected, asking, upgraded, welcomed));
+    drop((connected, asking, upgraded, welcomed, witness));
     daemon.settles(before);
 }
 

@@ -37,7 +37,7 @@ fn forgiven() -> Vec<(String, Code)> {
         (view("[0,0,Infinity]", ""), Code::Malformed),
         (view("[0,0,1e999]", ""), Code::Malformed),
         (view("[0,0,1e308]", ""), Code::BadView),
-        (view("[1e308,0,1000]", ""), Code::BadView),
+        (view("[0,1e308,1000]", ""), Code::BadView),
         (view("[0,91,1000]", ""), Code::BadView),
         (view("[0,0]", ""), Code::BadView),
         (view("[0,0,1,2,3,4,5]", ""), Code::BadView),
@@ -47,7 +47,7 @@ fn forgiven() -> Vec<(String, Code)> {
         (view("[0,0,1000]", r#","pixel_error":-1"#), Code::BadView),
         (view("[0,0,1000]", r#","air":1e39"#), Code::BadView),
         (view("[0,0,1000]", r#","sun":[0,95]"#), Code::BadView),
-        (view("[0,0,1000]", r#","sun":[1e300,0]"#), Code::BadView),
+        (view("[0,0,1000]", r#","sun":[0,1e300]"#), Code::BadView),
         (view("[0,0,1000]", r#","time":"tomorrow"}"#), Code::Malformed),
         (view("[0,0,1000]", r#","time":"tomorrow""#), Code::BadView),
         (view("[0,0,1000]", r#","shadow":"paper""#), Code::BadView),
@@ -56,6 +56,15 @@ fn forgiven() -> Vec<(String, Code)> {
         (view("[0,0,1000]", "").replace("[16,9]", "[-1,9]"), Code::Malformed),
         (view("[0,0,1000]", "").replace("main", "other"), Code::Unknown),
     ]
+}
+
+/// Ends a flight, whatever happens.
+struct Landed<'a>(&'a AtomicBool);
+
+impl Drop for Landed<'_> {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Relaxed);
+    }
 }
 
 #[test]
@@ -67,6 +76,7 @@ fn who_breaks_the_rules_is_told_and_others_go_on() {
     let before = daemon.balance();
     let going = AtomicBool::new(true);
     std::thread::scope(|scope| {
+        let _landed = Landed(&going);
         // While all of this goes on, somebody flies.
         let flight = scope.spawn(|| {
             let mut pictures = 0;
@@ -92,7 +102,7 @@ fn who_breaks_the_rules_is_told_and_others_go_on() {
         raw.view(7, [16, 9]);
         while raw.payload().1 != 7 {}
         drop(raw);
-        going.store(false, Ordering::Relaxed);
+        drop(Landed(&going));
         let (pictures, witness) = flight.join().unwrap();
         assert!(pictures > 1 && witness.told.is_empty(), "{pictures} {:?}", witness.told);
     });
@@ -139,7 +149,7 @@ fn what_is_no_websocket_and_no_http_ends_without_harm() {
         ("a frame without a mask", &[0x81, 0x02, b'{', b'}']),
         ("an unknown kind of frame", &[0x83, 0x80, 0, 0, 0, 0]),
         ("a frame of 2^62 bytes", &[0x81, 0xff, 0x40, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
-        ("a ping of 200 bytes", &[0x89, 0xfe, 0, 200, 0, 0, 0, 0]),
+        ("a ping of 130 bytes", &[&[0x89, 0xfe, 0, 130, 0, 0, 0, 0][..], &[7; 130]].concat()),
         ("a continuation of nothing", &[0x80, 0x80, 0, 0, 0, 0]),
     ];
     for (about, bytes) in frames {
@@ -150,9 +160,21 @@ fn what_is_no_websocket_and_no_http_ends_without_harm() {
     let requests: [(&str, &[u8], &str); 6] = [
         ("TLS", b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03junkjunkjunk\r\n\r\n", ""),
         ("noise", &[0xa5; 20_000], ""),
-        ("attaching without an upgrade", b"GET /v1/attach HTTP/1.1\r\nHost: localhost\r\n\r\n", "HTTP/1.1 4"),
-        ("a method that is none", b"FLY /v1/attach HTTP/1.1\r\nHost: localhost\r\n\r\n", "HTTP/1.1 4"),
-        ("a path that is none", b"GET /../../etc/passwd HTTP/1.1\r\nHost: localhost\r\n\r\n", "HTTP/1.1 4"),
+        (
+            "attaching without an upgrade",
+            b"GET /v1/attach HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n",
+            "HTTP/1.1 4",
+        ),
+        (
+            "a method that is none",
+            b"FLY /v1/attach HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n",
+            "HTTP/1.1 4",
+        ),
+        (
+            "a path that is none",
+            b"GET /../../etc/passwd HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n",
+            "HTTP/1.1 4",
+        ),
         ("an endless header", &[b'a'; 900_000], ""),
     ];
     for (about, bytes, expected) in requests {
@@ -160,7 +182,9 @@ fn what_is_no_websocket_and_no_http_ends_without_harm() {
         stream.set_read_timeout(Some(LONG)).unwrap();
         // It may be refused before all is written.
         let _ = stream.write_all(bytes);
-        let _ = stream.shutdown(std::net::Shutdown::Write);
+        if expected.is_empty() {
+            let _ = stream.shutdown(std::net::Shutdown::Write);
+        }
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
         let answer = String::from_utf8_lossy(&answer);

@@ -1,6 +1,7 @@
 //! A viewer that says whatever it likes.
 
 use std::net::TcpStream;
+use std::time::{Duration, Instant};
 
 use relief_protocol::error::{Code, Fault};
 use relief_protocol::to_viewer::ToViewer;
@@ -20,7 +21,7 @@ impl Raw {
     /// Connects and upgrades; says nothing.
     pub fn connect(daemon: &Daemon) -> Self {
         let stream = TcpStream::connect(daemon.address()).unwrap();
-        stream.set_read_timeout(Some(LONG)).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
         stream.set_write_timeout(Some(LONG)).unwrap();
         Self(tungstenite::client(format!("ws://{}/v1/attach", daemon.address()), stream).unwrap().0)
     }
@@ -49,7 +50,9 @@ impl Raw {
 
     /// The next text; none once the connection has ended. Payloads are passed over.
     pub fn heard(&mut self) -> Option<String> {
+        let deadline = Instant::now() + LONG;
         loop {
+            assert!(Instant::now() < deadline, "nothing is said but pings");
             match self.0.read() {
                 Ok(Message::Text(text)) => return Some(text.to_string()),
                 Ok(Message::Close(_)) => {}

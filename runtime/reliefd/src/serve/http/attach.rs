@@ -18,6 +18,9 @@ use crate::serve::hub::Hub;
 use crate::serve::patience::patience;
 use crate::serve::session::{Out, Session, outbox};
 
+/// Bytes that are read at once.
+const READ_BYTES: usize = 8 << 10;
+
 /// A query with the token, where there is one.
 #[derive(serde::Deserialize)]
 pub struct Token {
@@ -34,6 +37,8 @@ pub async fn attach(
 ) -> Response {
     let token = super::token(&headers).or(token);
     upgrade
+        // Viewers' messages are short, and there may be many viewers.
+        .read_buffer_size(READ_BYTES)
         // What is a little too long is read and refused; what is longer ends the connection.
         .max_message_size(4 * MOST_MESSAGE_BYTES)
         .max_frame_size(4 * MOST_MESSAGE_BYTES)
