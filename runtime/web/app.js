@@ -97,20 +97,31 @@ function visit(name) {
   stale = true;
 }
 
+const bookmarked = () => new URLSearchParams(location.hash.slice(1)).get('planet');
+
+window.addEventListener('hashchange', () => {
+  if (!state.planet) return;
+  const name = bookmarked();
+  if (name && name !== state.planet.name) visit(name);
+  if (!name || name === state.planet.name) state.restore(location.hash);
+  $('planet').value = state.planet.name;
+});
+
 connection.addEventListener('welcome', ({ detail: { planets } }) => {
   notices.back();
   $('planet').replaceChildren(...planets.map(({ name }) => new Option(name)));
   show($('planet'), planets.length > 1);
-  const bookmarked = new URLSearchParams(location.hash.slice(1)).get('planet');
-  const here = planets.find(({ name }) => name === (state.planet?.name ?? bookmarked));
+  const here = planets.find(({ name }) => name === (state.planet?.name ?? bookmarked()));
   if (state.planet && here?.plane === state.planet.plane) {
     // The daemon is back: the same view goes on.
-    state.change({ planet: here });
+    state.renew(here);
     frames.attach(here);
     inset.attach();
   } else {
+    const { hash } = location;
+    const meant = [null, here?.name].includes(bookmarked());
     visit(here?.name);
-    if (bookmarked === state.planet.name || !bookmarked) state.restore(location.hash);
+    if (meant) state.restore(hash);
   }
   $('planet').value = state.planet.name;
   stale = true;
@@ -118,7 +129,7 @@ connection.addEventListener('welcome', ({ detail: { planets } }) => {
 connection.addEventListener('planet', ({ detail }) => {
   const { planets } = connection.welcome;
   planets.splice(planets.findIndex(({ name }) => name === detail.name), 1, detail);
-  if (detail.name === state.planet.name) state.change({ planet: detail });
+  if (detail.name === state.planet.name) state.renew(detail);
 });
 connection.addEventListener('away', ({ detail }) => notices.away(detail));
 connection.addEventListener('fault', ({ detail }) => notices.say(detail));

@@ -101,7 +101,7 @@ export class Connection extends EventTarget {
     this.connected = false;
     for (const waiter of this.waiters.values()) waiter.tell(undefined);
     this.waiters.clear();
-    const hopeless = ['token', 'version'].includes(this.last?.code);
+    const hopeless = ['token', 'version', 'origin'].includes(this.last?.code);
     const again_ms = hopeless ? null : this.wait_ms * (0.8 + 0.4 * Math.random());
     const said = this.last ?? {
       what: was ? 'The connection to the daemon was lost' : 'The daemon does not answer',

@@ -123,4 +123,20 @@ test('keys move, turn, tilt, zoom and go home', () => withPage('keys', async (pa
   assert.deepEqual(await relief(page, 'pose'), home);
   await page.keyboard.press('?');
   assert.equal(await page.isVisible('#help'), true);
+  await page.keyboard.press('Escape');
+  assert.equal(await page.isVisible('#help'), false);
+}));
+
+test('keys do what a focused control says, not what the map would', () => withPage('focus', async (page) => {
+  await page.focus('#inset-toggle');
+  await page.keyboard.press(' ');
+  assert.equal(await page.isVisible('#inset'), true);
+  assert.equal(await page.getAttribute('#play', 'aria-pressed'), 'false');
+  const pose = await relief(page, 'pose');
+  await page.focus('#place');
+  await page.keyboard.type('wasd+nmh');
+  await page.focus('#overlay [aria-checked=true]');
+  await page.keyboard.press('ArrowRight');
+  assert.equal(await page.getAttribute('#overlay [data-value=wireframe]', 'aria-checked'), 'true');
+  assert.deepEqual(await relief(page, 'pose'), pose);
 }));

@@ -108,6 +108,23 @@ test('a bookmark restores the view', async () => {
   }, { hash });
 });
 
+test('another address in the same page is another view', () => withPage('address', async (page) => {
+  await page.evaluate(() => { location.hash = '#planet=sierra&shadow=soft'; });
+  await until(page, () => window.relief.settled && window.relief.planet === 'sierra');
+  await page.evaluate(() => { location.hash = '#planet=earth&at=-70,-20,900000,30,-50'; });
+  await until(page, () => window.relief.settled && window.relief.planet === 'earth' && window.relief.pose.heading_deg === 30);
+  assert.equal(await page.inputValue('#planet'), 'earth');
+}));
+
+test('a link is copied without the token', () => withPage('link', async (page) => {
+  await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
+  await page.click('#link');
+  await page.waitForSelector('.toast');
+  const copied = new URL(await page.evaluate(() => navigator.clipboard.readText()));
+  assert.equal(copied.searchParams.get('token'), null);
+  assert.match(copied.hash, /^#planet=earth&at=15,20,/);
+}, { hash: '?token=secret' }));
+
 test('a bookmark of nonsense shows all of the planet', () => withPage('nonsense', async (page) => {
   const pose = await relief(page, 'pose');
   assert.equal(pose.pitch_deg, -90);
