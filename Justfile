@@ -71,6 +71,10 @@ bench-bake *arguments:
 fuzz target="open_and_read" seconds="60":
     cd formats && cargo +nightly fuzz run {{ target }} -- -max_total_time={{ seconds }}
 
+# Fuzz the protocol's parsers: to_server, envelope or mesh
+fuzz-protocol target="to_server" seconds="60":
+    cd runtime/protocol && cargo +nightly fuzz run {{ target }} -- -max_total_time={{ seconds }}
+
 # Build the API documentation, warnings as errors
 doc:
     RUSTDOCFLAGS='-D warnings' cargo doc --release --locked --workspace --no-deps
