@@ -62,6 +62,11 @@ bench-runtime *arguments:
     cargo build --release --locked -p relief-tools -p reliefd -p relief-runtime -p relief-shaders -p relief-formats --bins --examples
     {{ python }} tools/bench_runtime.py {{ arguments }}
 
+# Measure the daemon with many viewers, write BENCHMARKS-SERVE.md and .json: just bench-serve --churn-minutes 10
+bench-serve *arguments:
+    cargo build --release --locked -p relief-tools -p reliefd -p relief-client --bins --examples
+    {{ python }} tools/bench_serve.py {{ arguments }}
+
 # Measure the bake against GDAL's own tools, write BENCHMARKS.md and .json: just bench-bake --quick
 bench-bake *arguments:
     cargo build --release --locked -p relief-tools
