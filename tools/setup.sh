@@ -21,7 +21,7 @@ case "${1-}" in
 esac
 
 readonly rust_needed=1.90
-readonly packages=(
+packages=(
   build-essential pkg-config          # the C compiler for zstd, and the way to find GDAL
   libgdal-dev gdal-bin proj-data      # rasters in and out, the EGM96 geoid
   libvulkan1 mesa-vulkan-drivers      # lavapipe, a GPU in software
@@ -29,7 +29,11 @@ readonly packages=(
   python3-zstandard                   # the second reader of the tests
   python3-websockets                  # the viewer in Python
   geographiclib-tools                 # CartConvert, the oracle for ECEF
+  chromium                            # the browser of the page's tests
 )
+# A newer Node from elsewhere does, too.
+command -v node >/dev/null && command -v npm >/dev/null || packages+=(nodejs npm)
+readonly packages
 
 fail() {
   printf 'setup: %s\n' "$1" >&2

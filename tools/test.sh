@@ -6,8 +6,9 @@ usage() {
   cat <<'TEXT'
 usage: bash tools/test.sh [--help]
 
-Installs what is missing (tools/setup.sh), builds the workspace, runs the Rust tests and the
-Python tests, and closes with a summary. Tests that need a GPU run on Mesa's lavapipe.
+Installs what is missing (tools/setup.sh), builds the workspace, runs the Rust tests, the Python
+tests and those of the daemon's page in Chromium, and closes with a summary. Tests that need a GPU
+run on Mesa's lavapipe; screenshots of the page are kept in target/web-screenshots.
 
 RELIEF_PYTHON names the Python that has numpy, osgeo, websockets and zstandard (default: found by trying).
 
@@ -48,6 +49,11 @@ total() {
   sed -nE "s/$2/\\1/p" "$log" | awk '{ sum += $1 } END { print sum + 0 }'
 }
 
+# The page in a browser; without --test the file's own summary counts each test.
+test_web() {
+  (cd tests/web && npm ci --no-audit --no-fund && node --test-reporter=tap page.test.js)
+}
+
 find_python() {
   local candidate
   for candidate in "${RELIEF_PYTHON-}" /usr/bin/python3 python3; do
@@ -81,6 +87,7 @@ if step build cargo build --release --locked --workspace; then
   step rust cargo test --release --locked --workspace --no-fail-fast || true
 fi
 step python "$RELIEF_PYTHON" -m unittest discover -s tests/python -p 'test_*.py' || true
+step web test_web || true
 
 rust_result='^test result: .* ([0-9]+)'
 passed=$(total rust "$rust_result passed;.*")
@@ -90,9 +97,9 @@ python_ran=$(total python '^Ran ([0-9]+) tests?.*')
 python_failed=$(($(total python '^FAILED.*failures=([0-9]+).*') + $(total python '^FAILED.*errors=([0-9]+).*') +
   $(total python '^FAILED.*unexpected successes=([0-9]+).*')))
 python_skipped=$(total python '^[OKFAILED]+ \(.*skipped=([0-9]+).*')
-passed=$((passed + python_ran - python_failed - python_skipped))
-failed=$((failed + python_failed))
-skipped=$((skipped + python_skipped))
+passed=$((passed + python_ran - python_failed - python_skipped + $(total web '^# pass ([0-9]+)$')))
+failed=$((failed + python_failed + $(total web '^# fail ([0-9]+)$')))
+skipped=$((skipped + python_skipped + $(total web '^# skipped ([0-9]+)$')))
 
 printf '\n==> Summary\n'
 printf '  %s\n' "${timings[@]}"

@@ -51,6 +51,7 @@ marks.measure = measure;
 function togglePanel(open = $('panel').hidden) {
   show($('panel'), open);
   $('panel-toggle').setAttribute('aria-expanded', open);
+  document.body.classList.toggle('panelled', open);
 }
 
 const keys = new Keys(pilot, {

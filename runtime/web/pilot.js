@@ -143,7 +143,7 @@ export class Pilot {
   /** Flies to where a place is in the middle of the picture. */
   visit([x, y], ground_m) {
     const { body, planet, pose } = this.state;
-    const distance_m = clamp(40 * planet.spacing_m, 4000, 0.6 * body.extent_m);
+    const distance_m = clamp(25 * planet.spacing_m, 4000, 0.6 * body.extent_m);
     const pitch_deg = -40;
     const heading_deg = body.plane ? pose.heading_deg : 0;
     const over = { x, y, height_m: ground_m + distance_m, heading_deg, pitch_deg };

@@ -27,8 +27,14 @@ export class Search {
       field.focus();
     };
     state.addEventListener('change', ({ detail }) => {
-      if (detail.has('planet')) field.placeholder = state.body.plane ? 'Go to X, Y' : 'Go to latitude, longitude';
+      if (detail.has('planet')) this.invite();
     });
+  }
+
+  invite() {
+    const wide = innerWidth > 560;
+    const [long, short] = this.state.body.plane ? ['Go to X, Y', 'X, Y'] : ['Go to latitude, longitude', 'Lat, lon'];
+    $('place').placeholder = wide ? long : short;
   }
 
   clear() {

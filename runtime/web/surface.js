@@ -1,14 +1,14 @@
 // What is drawn over the ground, how exactly the ground is drawn, and what that costs.
 
 import { grouped } from './coordinates.js';
-import { $, choices, fill } from './elements.js';
+import { $, choices, fill, show } from './elements.js';
 
 const OVERLAYS = [
   ['none', 'None', ''],
-  ['wireframe', 'Wireframe', 'The triangles’ sides.'],
+  ['wireframe', 'Wireframe', 'The sides of the triangles.'],
   ['lod', 'Detail', 'A colour for each level of the triangles.'],
   ['pages', 'Pages', 'The tile that each pixel’s height comes from.'],
-  ['error', 'Error', 'How far the drawn surface is from the true one, in pixels.'],
+  ['error', 'Error', 'How far the drawn surface is from the true one.'],
 ];
 
 export class Surface {
@@ -26,8 +26,12 @@ export class Surface {
     const { overlay, pixel_error } = this.state;
     this.chosen(overlay);
     $('overlay-said').textContent = OVERLAYS.find(([value]) => value === overlay)[2];
+    const pixels = (value) => `${Number(value.toFixed(value < 4 ? 2 : 1))} px`;
+    show($('legend'), overlay === 'error');
+    $('legend-middle').textContent = pixels(pixel_error);
+    $('legend-end').textContent = pixels(2 * pixel_error);
     $('threshold').value = Math.log2(pixel_error);
-    $('threshold-said').textContent = `${Number(pixel_error.toFixed(pixel_error < 4 ? 2 : 1))} px`;
+    $('threshold-said').textContent = pixels(pixel_error);
     fill($('threshold'));
   }
 

@@ -174,7 +174,7 @@ mod tests {
             named(&command(), &words)
         };
         assert_eq!(named("reliefd serve --config a.toml").unwrap(), Path::new("a.toml"));
-        assert_eq!(named("reliefd serve --max-viewers none --config=a.toml b.relief").unwrap(), Path::new("a.toml"));
+        assert_eq!(named("reliefd serve --max-viewers 2 --config=a.toml b.relief").unwrap(), Path::new("a.toml"));
         assert_eq!(named("reliefd serve b.relief"), None);
         assert_eq!(named("reliefd"), None);
     }

@@ -82,6 +82,7 @@ pub async fn limited(State(shared): State<Shared>, request: Request, next: Next)
         )
         .into());
     };
+    let _counted = shared.hub.meters.at_work();
     Ok(next.run(request).await)
 }
 

@@ -28,21 +28,21 @@ pub struct Problem {
 /// A request that is not answered.
 #[derive(Debug)]
 pub struct Refused {
-    fault: Fault,
+    fault: Box<Fault>,
     status: StatusCode,
 }
 
 impl From<Fault> for Refused {
     fn from(fault: Fault) -> Self {
         let status = status(fault.code);
-        Self { fault, status }
+        Self { fault: Box::new(fault), status }
     }
 }
 
 impl IntoResponse for Refused {
     fn into_response(self) -> Response {
         let Self { fault, status } = self;
-        let Fault { code, what, rule, remedy, .. } = fault;
+        let Fault { code, what, rule, remedy, .. } = *fault;
         let mut response = (status, Json(Problem { code, what, rule, remedy })).into_response();
         // For whoever counts faults.
         response.extensions_mut().insert(code);
@@ -102,7 +102,7 @@ pub async fn no_method(method: Method, uri: Uri) -> Refused {
         "a path is asked by the methods that /v1/openapi.json names",
         "use one of those in the Allow header",
     );
-    Refused { fault, status: StatusCode::METHOD_NOT_ALLOWED }
+    Refused { fault: Box::new(fault), status: StatusCode::METHOD_NOT_ALLOWED }
 }
 
 #[cfg(test)]

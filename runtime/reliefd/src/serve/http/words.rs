@@ -159,7 +159,9 @@ mod tests {
     use super::*;
     use crate::view_args::ViewArgs;
 
-    fn view(query: &[(&str, &str)]) -> Result<ViewArgs, Fault> {
+    type Query<'a> = &'a [(&'a str, &'a str)];
+
+    fn view(query: Query<'_>) -> Result<ViewArgs, Fault> {
         parsed(query.iter().map(|&(name, value)| (name.to_owned(), value.to_owned())))
     }
 
@@ -173,7 +175,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_named() {
-        let cases: &[(&[(&str, &str)], [&str; 2])] = &[
+        let cases: &[(Query<'_>, [&str; 2])] = &[
             (&[], ["no camera", "needed"]),
             (&[("camera", "1,2")], ["camera=1,2", "LON,LAT,HEIGHT"]),
             (&[("camera", "1,2,3"), ("zoom", "4")], ["zoom", "pixel-error"]),

@@ -10,6 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use prometheus_client::encoding::text::encode;
+use prometheus_client::metrics::gauge::Gauge;
 use relief_protocol::error::Code;
 use relief_protocol::payload::Stats;
 use utoipa::ToSchema;
@@ -57,6 +58,15 @@ pub struct Census {
     pub cache: [u64; 2],
 }
 
+/// A request that is in work.
+pub struct AtWork(Gauge);
+
+impl Drop for AtWork {
+    fn drop(&mut self) {
+        self.0.dec();
+    }
+}
+
 impl Meters {
     /// Viewers came or went.
     pub fn viewers(&self, change: i64) {
@@ -91,6 +101,12 @@ impl Meters {
     pub fn packed(&self, took: Duration, bytes: u64) {
         self.figures.pack_seconds.observe(took.as_secs_f64());
         self.figures.payload_bytes.inc_by(bytes);
+    }
+
+    /// An HTTP request is in work until what is returned is dropped.
+    pub fn at_work(&self) -> AtWork {
+        self.figures.requests_in_work.inc();
+        AtWork(self.figures.requests_in_work.clone())
     }
 
     /// An HTTP request was answered.
@@ -182,6 +198,8 @@ mod tests {
         meters.answered("/v1/planets", 200, Duration::from_millis(3), 120);
         meters.packed(Duration::from_millis(2), 1000);
         meters.loaded("earth", 6, 4);
+        let _one = meters.at_work();
+        drop(meters.at_work());
         let text = meters.text([census()].into_iter());
         for line in [
             "relief_frames_total{planet=\"earth\"} 3",
@@ -197,6 +215,7 @@ mod tests {
             "relief_viewers 2",
             "relief_faults_total{code=\"bad_view\"} 1",
             "relief_http_requests_total{route=\"/v1/planets\",status=\"200\"} 1",
+            "relief_http_requests_in_work 1",
             "relief_http_bytes_total 120",
             "relief_payload_bytes_total 1000",
             "# EOF",

@@ -85,6 +85,7 @@ pub struct Figures {
     pub faults: Family<OfCode, Counter>,
     pub pack_seconds: Histogram,
     pub payload_bytes: Counter,
+    pub requests_in_work: Gauge,
     pub requests: Family<OfRequest, Counter>,
     pub request_seconds: Histograms<OfRoute>,
     pub http_bytes: Counter,
@@ -122,6 +123,7 @@ impl Default for Figures {
             faults: put(relief, "faults", "Faults that viewers and askers were told, by code"),
             pack_seconds: timed(relief, "pack", "Time to pack a picture for a viewer", seconds()),
             payload_bytes: put(relief, "payload_bytes", "Bytes of pictures for viewers"),
+            requests_in_work: put(relief, "http_requests_in_work", "HTTP requests in work, of --max-requests"),
             requests: put(relief, "http_requests", "HTTP requests, by route and status"),
             request_seconds: timed(
                 relief,

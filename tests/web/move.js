@@ -1,0 +1,130 @@
+// The camera moves: by drags, the wheel and keys.
+
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { difference, picture, relief, settled, until, withPage } from './stage.js';
+
+const HIMALAYA = '#planet=earth&at=86.9,25.5,250000,0,-40';
+const NORTH_POLE = '#planet=earth&at=20,88,3000000,0,-90';
+
+/** Drags from one pixel to another. */
+async function drag(page, from, to, options = {}) {
+  await page.mouse.move(...from);
+  await page.mouse.down(options);
+  await page.mouse.move((from[0] + to[0]) / 2, (from[1] + to[1]) / 2, { steps: 4 });
+  await page.mouse.move(...to, { steps: 4 });
+  await page.mouse.up(options);
+  await settled(page);
+}
+
+/** What lies under the pointer: the text of the readout, once it is of this picture. */
+async function under(page, pixel) {
+  await page.mouse.move(pixel[0] + 1, pixel[1]);
+  await page.mouse.move(...pixel);
+  await page.waitForTimeout(400);
+  const text = await page.textContent('#readout span');
+  const [lat, north, lon, east] = /([\d.]+)° ([NS]) ([\d.]+)° ([EW])/.exec(text).slice(1);
+  return [Number(lon) * (east === 'W' ? -1 : 1), Number(lat) * (north === 'S' ? -1 : 1)];
+}
+
+test('a drag moves the planet, and the point stays under the pointer', () => withPage('drag', async (page) => {
+  const [before, pose] = [await picture(page), await relief(page, 'pose')];
+  const grabbed = await under(page, [560, 300]);
+  await drag(page, [560, 300], [700, 420]);
+  const after = await relief(page, 'pose');
+  assert.ok(after.x < pose.x - 3 && after.y > pose.y + 3, JSON.stringify(after));
+  assert.equal(after.heading_deg, pose.heading_deg);
+  assert.equal(after.height_m, pose.height_m);
+  assert.ok(difference(before, await picture(page)) > 3);
+  const dropped = await under(page, [700, 420]);
+  assert.ok(Math.hypot(grabbed[0] - dropped[0], grabbed[1] - dropped[1]) < 0.4, `${grabbed} ${dropped}`);
+}));
+
+test('a drag goes over the pole without a jump', () => withPage('pole', async (page) => {
+  const grabbed = await under(page, [600, 250]);
+  await drag(page, [600, 250], [640, 500]);
+  const dropped = await under(page, [640, 500]);
+  // Metres of latitude and longitude shrink here: compare on the sphere.
+  const normal = ([lon, lat]) => {
+    const [a, b] = [(lon * Math.PI) / 180, (lat * Math.PI) / 180];
+    return [Math.cos(b) * Math.cos(a), Math.cos(b) * Math.sin(a), Math.sin(b)];
+  };
+  const [p, q] = [normal(grabbed), normal(dropped)];
+  assert.ok(Math.hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) < 0.01, `${grabbed} ${dropped}`);
+}, { hash: NORTH_POLE }));
+
+test('a drag with the right button tilts and turns about the pointer', () => withPage('tilt', async (page) => {
+  const pose = await relief(page, 'pose');
+  const pivot = await under(page, [640, 400]);
+  await drag(page, [640, 400], [720, 360], { button: 'right' });
+  const after = await relief(page, 'pose');
+  assert.ok(after.pitch_deg > pose.pitch_deg + 5, JSON.stringify(after));
+  assert.ok(after.heading_deg > 10 && after.heading_deg < 40, JSON.stringify(after));
+  const still = await under(page, [640, 400]);
+  assert.ok(Math.hypot(pivot[0] - still[0], pivot[1] - still[1]) < 0.2, `${pivot} ${still}`);
+  await page.click('#compass');
+  await until(page, () => window.relief.settled && window.relief.pose.heading_deg === 0);
+}, { hash: HIMALAYA }));
+
+test('the wheel zooms to the ground, where the camera stays above it', () => withPage('ground', async (page) => {
+  const target = await under(page, [600, 330]);
+  let pose;
+  for (let k = 0; k < 60; k += 1) {
+    await page.mouse.wheel(0, -900);
+    await page.waitForTimeout(60);
+    pose = await relief(page, 'pose');
+    if (pose.height_m < 700) break;
+  }
+  assert.ok(pose.height_m < 1500, JSON.stringify(pose));
+  await settled(page);
+  pose = await relief(page, 'pose');
+  assert.ok(Math.hypot(pose.x - target[0], pose.y - target[1]) < 0.5, `${JSON.stringify(pose)} ${target}`);
+  for (let k = 0; k < 12; k += 1) await page.mouse.wheel(0, -900);
+  await page.waitForTimeout(1000);
+  await settled(page);
+  pose = await relief(page, 'pose');
+  const answer = await page.request.get(new URL(`/v1/planets/earth/height?lon=${pose.x}&lat=${pose.y}`, page.url()).href);
+  const { height_m } = await answer.json();
+  const above_m = pose.height_m - height_m;
+  assert.ok(above_m > 1.9 && above_m < 60, `${above_m} m above the ground`);
+}));
+
+test('the wheel goes out as far as three radii and no farther', () => withPage('far', async (page) => {
+  await page.mouse.move(640, 360);
+  for (let k = 0; k < 10; k += 1) await page.mouse.wheel(0, 900);
+  await page.waitForTimeout(1000);
+  await settled(page);
+  const { height_m } = await relief(page, 'pose');
+  assert.ok(height_m > 1.2e7 && height_m <= 3 * 6_378_137, `${height_m}`);
+}));
+
+test('keys move, turn, tilt, zoom and go home', () => withPage('keys', async (page) => {
+  const home = await relief(page, 'pose');
+  const pressed = async (key) => {
+    const before = await relief(page, 'pose');
+    await page.keyboard.down(key);
+    await page.waitForTimeout(150);
+    await page.keyboard.up(key);
+    return [before, await relief(page, 'pose')];
+  };
+  const grew = async (key, field, sign) => {
+    const [before, after] = await pressed(key);
+    assert.ok(sign * (after[field] - before[field]) > 0, `${key}: ${before[field]} to ${after[field]}`);
+  };
+  await grew('ArrowUp', 'y', 1);
+  await grew('s', 'y', -1);
+  await grew('ArrowRight', 'x', 1);
+  await grew('a', 'x', -1);
+  await grew('+', 'height_m', -1);
+  await grew('-', 'height_m', 1);
+  await grew('r', 'pitch_deg', 1);
+  await grew('f', 'pitch_deg', -1);
+  await grew('e', 'heading_deg', 1);
+  await page.keyboard.press('n');
+  await until(page, () => window.relief.pose.heading_deg === 0);
+  await page.keyboard.press('h');
+  await until(page, () => window.relief.settled);
+  assert.deepEqual(await relief(page, 'pose'), home);
+  await page.keyboard.press('?');
+  assert.equal(await page.isVisible('#help'), true);
+}));
