@@ -15,7 +15,7 @@ fn numbers(text: &str, least: usize, most: usize, names: &str) -> Result<Vec<f64
     }
 }
 
-/// LON,LAT,HEIGHT[,HEADING,PITCH,ROLL] (a plane: X,Y,HEIGHT and the same).
+/// `LON,LAT,HEIGHT[,HEADING,PITCH,ROLL]` (a plane: X,Y,HEIGHT and the same).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraArg {
     /// Longitude, degrees, or X.
