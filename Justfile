@@ -62,6 +62,11 @@ bench-runtime *arguments:
     cargo build --release --locked -p relief-tools -p reliefd -p relief-runtime -p relief-shaders -p relief-formats --bins --examples
     {{ python }} tools/bench_runtime.py {{ arguments }}
 
+# Measure the daemon with many viewers, write BENCHMARKS-SERVE.md and .json: just bench-serve --churn-minutes 10
+bench-serve *arguments:
+    cargo build --release --locked -p relief-tools -p reliefd -p relief-client --bins --examples
+    {{ python }} tools/bench_serve.py {{ arguments }}
+
 # Measure the bake against GDAL's own tools, write BENCHMARKS.md and .json: just bench-bake --quick
 bench-bake *arguments:
     cargo build --release --locked -p relief-tools
@@ -70,6 +75,10 @@ bench-bake *arguments:
 # Fuzz the reader for some seconds (needs cargo-fuzz and a nightly Rust)
 fuzz target="open_and_read" seconds="60":
     cd formats && cargo +nightly fuzz run {{ target }} -- -max_total_time={{ seconds }}
+
+# Fuzz the protocol's parsers: to_server, envelope or mesh
+fuzz-protocol target="to_server" seconds="60":
+    cd runtime/protocol && cargo +nightly fuzz run {{ target }} -- -max_total_time={{ seconds }}
 
 # Build the API documentation, warnings as errors
 doc:

@@ -120,6 +120,14 @@ pub fn of_tool(code: Code, error: &ToolError) -> Fault {
 
 /// A frame that was not drawn, as a fault.
 pub fn of_draw(error: RenderError) -> Fault {
+    if let RenderError::File(error) = &error {
+        return Fault::new(
+            Code::Damaged,
+            error.to_string(),
+            "every tile of a file is as it was published",
+            "whoever runs the daemon copies or bakes the file again",
+        );
+    }
     let code = match &error {
         RenderError::View(_) => Code::BadView,
         RenderError::Device(DeviceError::OutOfMemory(_)) => Code::TooLarge,

@@ -35,6 +35,7 @@ fn a_viewer_with_sixteen_cameras_slows_itself() {
     let daemon = Daemon::serve(&[&folder.globe("a.relief", 8)]);
     let (mut one, mut many) = (Viewer::of(&daemon, "a"), Viewer::of(&daemon, "a"));
     let names: Vec<String> = (0..16).map(|k| format!("camera {k}")).collect();
+    many.attached.detach("main").unwrap();
     for name in &names {
         many.attached.camera(name, "a", rgba()).unwrap();
     }

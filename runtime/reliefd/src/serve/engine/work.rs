@@ -106,6 +106,7 @@ impl Worker {
         match self.picture(slot, ask, seq, began) {
             Ok(Some(picture)) => {
                 self.listener.drew(&picture);
+                self.tell_of_damage();
                 sink(Ok(picture));
             }
             // Kept back until its tiles are there.
@@ -158,6 +159,11 @@ impl Worker {
             self.lacked.iter().map(|(&slot, pages)| (slot, self.drawer.still_lacks(pages))).collect();
         self.board.loaded(&progress, &left);
         self.listener.loaded(progress.resident, progress.loaded);
+        self.tell_of_damage();
+    }
+
+    /// Damage is found when tiles come in, or before, when they are asked for.
+    fn tell_of_damage(&mut self) {
         let (damaged, said) = self.drawer.damaged();
         let (told, when) = self.damaged;
         if damaged > told && when.is_none_or(|when| when.elapsed() >= DAMAGE_TOLD) {
