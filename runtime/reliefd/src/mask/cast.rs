@@ -19,6 +19,8 @@ use super::parts::{Whole, parts};
 use crate::backend::{ATLAS_BYTES, Backend};
 use crate::errors::{of_device, of_render};
 
+/// Nodes along a side of what is cast at once: few pages do for its rays.
+const PART: u32 = 512;
 /// Longest wait for the pages of a part.
 const WAIT: Duration = Duration::from_secs(600);
 /// A plane's level is swept whole when its nodes take no more than this.
@@ -111,7 +113,7 @@ impl Rays {
         let like = ShadowWindow { sun, air, level: self.level, ..ShadowWindow::default() };
         let mut whole = Whole::new(rectangle);
         let mut all = WindowCounts::default();
-        for part in parts(rectangle, self.planet.grid(), like) {
+        for part in parts(rectangle, self.planet.grid(), like, PART) {
             let mask = self.part(&part.window)?;
             whole.put(&part, &mask.lit);
             all.rays += mask.counts.rays;

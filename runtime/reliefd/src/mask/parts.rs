@@ -4,9 +4,6 @@ use relief_formats::grid::Grid;
 use relief_front::window::Rectangle;
 use relief_runtime::shadow::ShadowWindow;
 
-/// Nodes along a side of what is cast at once.
-const PART: u32 = 512;
-
 /// A part of a rectangle of nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
@@ -18,16 +15,17 @@ pub struct Part {
     y: u32,
 }
 
-/// The parts of a rectangle of a level's nodes; `like` holds sun, air and level.
-pub fn parts(rectangle: Rectangle, grid: Grid, like: ShadowWindow) -> impl Iterator<Item = Part> {
+/// The parts of a rectangle of a level's nodes, at most `side` nodes a side; `like` holds sun, air and
+/// level.
+pub fn parts(rectangle: Rectangle, grid: Grid, like: ShadowWindow, side: u32) -> impl Iterator<Item = Part> {
     let columns = i64::from(grid.width(like.level));
-    let rows = (0..rectangle.rows).step_by(PART as usize);
-    rows.flat_map(move |y| (0..rectangle.columns).step_by(PART as usize).map(move |x| (x, y))).map(move |(x, y)| Part {
+    let rows = (0..rectangle.rows).step_by(side as usize);
+    rows.flat_map(move |y| (0..rectangle.columns).step_by(side as usize).map(move |x| (x, y))).map(move |(x, y)| Part {
         window: ShadowWindow {
             x: (rectangle.column + i64::from(x)).rem_euclid(columns) as u32,
             y: rectangle.row + y,
-            columns: PART.min(rectangle.columns - x),
-            rows: PART.min(rectangle.rows - y),
+            columns: side.min(rectangle.columns - x),
+            rows: side.min(rectangle.rows - y),
             ..like
         },
         x,
@@ -75,9 +73,9 @@ mod tests {
         let like = ShadowWindow { level: 1, ..ShadowWindow::default() };
         let mark = |column: u32, row: u32| ((column * 31 + row * 17) % 251) as u8 + 1;
         let mut count = 0;
-        for part in parts(rectangle, grid, like) {
+        for part in parts(rectangle, grid, like, 256) {
             let ShadowWindow { x, y, columns, rows, level, .. } = part.window;
-            assert!(level == 1 && columns <= PART && rows <= PART && x < 2048);
+            assert!(level == 1 && columns <= 256 && rows <= 256 && x < 2048);
             let nodes = (y..y + rows).flat_map(|y| (x..x + columns).map(move |x| mark(x % 2048, y)));
             whole.put(&part, &nodes.collect::<Vec<_>>());
             count += columns * rows;

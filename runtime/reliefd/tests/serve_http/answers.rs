@@ -1,12 +1,14 @@
 //! Good questions: the answers are those of the commands and of the file itself.
 
 use geographiclib_rs::{DirectGeodesic as _, Geodesic};
+use relief_formats::body::Body;
 use relief_formats::file::Relief;
 use relief_formats::surface::{Place, Surface};
 use serde_json::{Value, json};
 
 use crate::client::ask;
 use crate::daemon::{Daemon, Files, png, read, run};
+use crate::sample_file::Sample;
 
 const VIEW: &str = "camera=20,10,300000,30,-25&fov=50&size=160x90&sun=60,10";
 const VIEW_FLAGS: &str = "--camera 20,10,300000,30,-25 --fov 50 --size 160x90 --sun 60,10";
@@ -153,4 +155,16 @@ fn masks_are_those_of_mask() {
     assert!((0.2..0.8).contains(&share), "{share}");
     let plane = daemon.get("/v1/planets/plane/shadow?sun=90,20").good();
     assert_eq!((png(&plane.body).0, png(&plane.body).1), (256, 256));
+}
+
+/// Tiles that are not at hand come in turns of their own.
+#[test]
+fn masks_wait_for_their_tiles() {
+    let files = Files::new();
+    Sample::new(Body::moon(), 10).write(&files.path("moon.relief"));
+    let words = "serve DIR/moon.relief --backend cpu --listen auto --headless --time-budget 1";
+    let daemon = Daemon::spawn(files.command(words));
+    let answer = daemon.get("/v1/planets/moon/shadow?sun=90,-1.5").good();
+    assert_eq!(run(&files, "mask DIR/moon.relief --backend cpu --sun 90,-1.5 -o DIR/a.png").0, 0);
+    assert!(answer.body == read(&files.path("a.png")), "another mask than mask's");
 }

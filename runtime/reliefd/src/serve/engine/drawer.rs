@@ -63,20 +63,21 @@ impl Drawer {
         self.renderer().mesh(view, scheme)
     }
 
-    /// How much of the sun the nodes of a window see, with the tiles that can be had in `time`.
+    /// How much of the sun the nodes of a window see, with the tiles that are there; those that lack
+    /// are wanted from now on.
     ///
     /// # Errors
     /// What the device says.
-    pub fn mask(&mut self, window: &ShadowWindow, time: Duration) -> Result<Mask, DeviceError> {
+    pub fn mask(&mut self, window: &ShadowWindow) -> Result<Mask, DeviceError> {
         match self {
             Self::Gpu(gpu, masks) => {
                 let made = match masks.take() {
                     Some(made) => made,
                     None => Box::new(ShadowMasks::new(gpu.device())?),
                 };
-                masks.insert(made).of(gpu.resident_mut(), window, time)
+                masks.insert(made).of(gpu.resident_mut(), window, Duration::ZERO)
             }
-            Self::Cpu(cpu) => Ok(mask_in_ram(cpu.resident_mut(), window, time)),
+            Self::Cpu(cpu) => Ok(mask_in_ram(cpu.resident_mut(), window, Duration::ZERO)),
         }
     }
 

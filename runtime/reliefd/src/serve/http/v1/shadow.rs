@@ -28,10 +28,12 @@ use crate::serve::hub::{Hub, Served};
 
 /// Most nodes of a mask.
 const MOST_NODES: u64 = 16 << 20;
+/// Nodes along a side of what is cast in one turn at the engine: no longer than a picture takes.
+const PART: u32 = 256;
 /// Time for tiles in one turn at the engine.
 const TURN: Duration = Duration::from_millis(50);
-/// Longest time for all tiles of a part.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// Longest time in which no tile comes.
+const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A mask that is asked for.
 #[derive(Debug, clap::Args)]
@@ -143,13 +145,20 @@ async fn cast(
     let sun = sun_of(&light.sun, args.radius_deg());
     let like = ShadowWindow { sun, air: args.air, level: args.level, ..ShadowWindow::default() };
     let mut whole = Whole::new(rectangle);
-    for part in parts(rectangle, planet.grid(), like) {
-        let deadline = Instant::now() + PATIENCE;
+    for part in parts(rectangle, planet.grid(), like, PART) {
+        let mut wanted = Vec::new();
+        let (mut least, mut deadline) = (usize::MAX, Instant::now() + PATIENCE);
         let lit = loop {
-            match turn(served, client, planet, part).await? {
-                Ok(lit) => break lit,
-                Err(lacking) if Instant::now() >= deadline => return Err(without_tiles(lacking, args.level)),
-                Err(_) => {}
+            match turn(served, client, planet, part, wanted).await? {
+                Turn::Cast(lit) => break lit,
+                Turn::Lacks(pages, left) => {
+                    if left < least {
+                        (least, deadline) = (left, Instant::now() + PATIENCE);
+                    } else if Instant::now() >= deadline {
+                        return Err(without_tiles(left, args.level));
+                    }
+                    wanted = pages;
+                }
             }
         };
         whole.put(&part, &lit);
@@ -157,23 +166,40 @@ async fn cast(
     Ok(whole.into_lit())
 }
 
-/// A part's nodes, or how many tiles their rays lack.
+/// What a turn at the engine brought.
+enum Turn {
+    /// The part's nodes.
+    Cast(Vec<u8>),
+    /// Pages that its rays need, and how many of them are still to come.
+    Lacks(Vec<u32>, usize),
+}
+
+/// Loads what the turn before lacked; once it is all there, casts.
 async fn turn(
     served: &Arc<Served>,
     client: u64,
     planet: &Arc<Planet>,
     part: Part,
-) -> Result<Result<Vec<u8>, usize>, Fault> {
+    wanted: Vec<u32>,
+) -> Result<Turn, Fault> {
     let (of, planet) = (Arc::clone(served), Arc::clone(planet));
-    let cast = served.engine.run(client, move |drawer| {
+    let done = served.engine.run(client, move |drawer| {
         // On the engine's thread: this is the planet that it draws.
         if !Arc::ptr_eq(&of.planet(), &planet) {
             return Err(Fault::new(Code::Busy, "the planet's file was replaced", "a mask is of one file", "ask again"));
         }
-        drawer.mask(&part.window, TURN).map_err(|error| of_draw(error.into()))
+        if !wanted.is_empty() {
+            drawer.ask(&wanted);
+            drawer.update(TURN);
+            let left = drawer.still_lacks(&wanted);
+            if left > 0 {
+                return Ok(Turn::Lacks(wanted, left));
+            }
+        }
+        let mask = drawer.mask(&part.window).map_err(|error| of_draw(error.into()))?;
+        Ok(if mask.lacking == 0 { Turn::Cast(mask.lit) } else { Turn::Lacks(drawer.lacked(), mask.lacking) })
     });
-    let mask = cast.await??;
-    Ok(if mask.lacking == 0 { Ok(mask.lit) } else { Err(mask.lacking) })
+    done.await?
 }
 
 fn without_tiles(lacking: usize, level: u32) -> Fault {
