@@ -20,6 +20,7 @@ import { Share } from './share.js';
 import { ViewState } from './state.js';
 import { Sun } from './sun.js';
 import { Surface } from './surface.js';
+import { Warp } from './warp.js';
 
 /** Without motion for so long the picture is asked for in all pixels. */
 const STILL_MS = 180;
@@ -46,6 +47,7 @@ const instruments = new Instruments(state, pilot);
 const search = new Search(state, pilot, questions);
 const inset = new Inset(state, connection, pilot);
 const share = new Share(state, connection, pilot, notices);
+const warp = new Warp(state, frames, pilot, marks);
 marks.measure = measure;
 
 function togglePanel(open = $('panel').hidden) {
@@ -95,20 +97,31 @@ function visit(name) {
   stale = true;
 }
 
+const bookmarked = () => new URLSearchParams(location.hash.slice(1)).get('planet');
+
+window.addEventListener('hashchange', () => {
+  if (!state.planet) return;
+  const name = bookmarked();
+  if (name && name !== state.planet.name) visit(name);
+  if (!name || name === state.planet.name) state.restore(location.hash);
+  $('planet').value = state.planet.name;
+});
+
 connection.addEventListener('welcome', ({ detail: { planets } }) => {
   notices.back();
   $('planet').replaceChildren(...planets.map(({ name }) => new Option(name)));
   show($('planet'), planets.length > 1);
-  const bookmarked = new URLSearchParams(location.hash.slice(1)).get('planet');
-  const here = planets.find(({ name }) => name === (state.planet?.name ?? bookmarked));
+  const here = planets.find(({ name }) => name === (state.planet?.name ?? bookmarked()));
   if (state.planet && here?.plane === state.planet.plane) {
     // The daemon is back: the same view goes on.
-    state.change({ planet: here });
+    state.renew(here);
     frames.attach(here);
     inset.attach();
   } else {
+    const { hash } = location;
+    const meant = [null, here?.name].includes(bookmarked());
     visit(here?.name);
-    if (bookmarked === state.planet.name || !bookmarked) state.restore(location.hash);
+    if (meant) state.restore(hash);
   }
   $('planet').value = state.planet.name;
   stale = true;
@@ -116,7 +129,7 @@ connection.addEventListener('welcome', ({ detail: { planets } }) => {
 connection.addEventListener('planet', ({ detail }) => {
   const { planets } = connection.welcome;
   planets.splice(planets.findIndex(({ name }) => name === detail.name), 1, detail);
-  if (detail.name === state.planet.name) state.change({ planet: detail });
+  if (detail.name === state.planet.name) state.renew(detail);
 });
 connection.addEventListener('away', ({ detail }) => notices.away(detail));
 connection.addEventListener('fault', ({ detail }) => notices.say(detail));
@@ -142,6 +155,7 @@ function loop(now_ms) {
     keys.tick(seconds);
     sun.tick(seconds);
     pilot.tick(Math.min(seconds, 0.2));
+    warp.tick();
     instruments.tick();
     share.tick();
     if (connection.connected) {
@@ -163,11 +177,14 @@ window.relief = Object.freeze({
   get triangles() { return frames.shown?.header.stats.triangles ?? 0; },
   get sun() { return frames.shown?.header.sun ?? null; },
   get size() { return frames.shown?.header.size ?? null; },
+  get under() { return readout.last; },
+  /** The camera is on its way by itself. */
+  get moving() { return Boolean(pilot.flight || pilot.zoom); },
   get distance_m() { return measure.result?.distance_m ?? null; },
   /** The picture of the view as it is, whole and in all pixels, is shown. */
   get settled() {
     const note = frames.shown?.note;
-    const idle = !stale && !coarse && !frames.outstanding && !frames.next && !pilot.flight && !pilot.zoom;
+    const idle = !stale && !coarse && !frames.outstanding && !frames.next && !this.moving;
     return Boolean(idle && connection.connected && note && !note.moving && note.pose === state.pose && this.complete);
   },
 });

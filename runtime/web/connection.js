@@ -52,10 +52,13 @@ export class Connection extends EventTarget {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }
 
-  /** What a pixel of a camera's latest view shows: a place, or null in the sky or when nobody answers. */
+  /**
+   * What a pixel of a camera's latest view shows: a place, null in the sky, undefined when nobody
+   * answers or a later pick took its place.
+   */
   pick(camera, x, y) {
-    if (!this.connected) return Promise.resolve(null);
-    this.waiters.get(camera)?.tell(null);
+    if (!this.connected) return Promise.resolve(undefined);
+    this.waiters.get(camera)?.tell(undefined);
     this.picks += 1;
     const id = this.picks;
     this.send({ type: 'pick', camera, id, x, y });
@@ -96,9 +99,9 @@ export class Connection extends EventTarget {
     clearTimeout(this.timer);
     const was = this.connected;
     this.connected = false;
-    for (const waiter of this.waiters.values()) waiter.tell(null);
+    for (const waiter of this.waiters.values()) waiter.tell(undefined);
     this.waiters.clear();
-    const hopeless = ['token', 'version'].includes(this.last?.code);
+    const hopeless = ['token', 'version', 'origin'].includes(this.last?.code);
     const again_ms = hopeless ? null : this.wait_ms * (0.8 + 0.4 * Math.random());
     const said = this.last ?? {
       what: was ? 'The connection to the daemon was lost' : 'The daemon does not answer',

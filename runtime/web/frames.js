@@ -75,8 +75,8 @@ export class Frames extends EventTarget {
     // Older than what is shown: two may be decoded at a time.
     if (!asked || header.view < (this.shown?.header.view ?? 0)) return;
     for (const number of this.sent.keys()) if (number < header.view) this.sent.delete(number);
-    this.draw(picture);
     this.shown = { ...asked, header, bytes };
+    this.draw(picture);
     this.dispatchEvent(new CustomEvent('shown', { detail: this.shown }));
   }
 
@@ -100,7 +100,18 @@ export class Frames extends EventTarget {
     if (canvas.width !== picture.width || canvas.height !== picture.height) {
       [canvas.width, canvas.height] = [picture.width, picture.height];
     }
-    canvas.getContext('2d', { alpha: false }).drawImage(picture, 0, 0);
-    picture.close();
+    this.picture?.close();
+    this.picture = picture;
+    this.paint();
+  }
+
+  /** Paints the last picture, its pixels moved by an affine map. */
+  paint(map = [1, 0, 0, 1, 0, 0]) {
+    const ink = this.canvas.getContext('2d', { alpha: false });
+    ink.setTransform(1, 0, 0, 1, 0, 0);
+    ink.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    ink.setTransform(...map);
+    ink.drawImage(this.picture, 0, 0);
+    ink.setTransform(1, 0, 0, 1, 0, 0);
   }
 }

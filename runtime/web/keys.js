@@ -20,11 +20,11 @@ export class Keys {
   }
 
   press(event) {
-    const field = event.target.closest?.('input, select, textarea, dialog[open]');
-    const typing = field && event.key !== 'Escape';
-    if (event.ctrlKey || event.metaKey || event.altKey || typing) return;
-    // Sections and choices keep the keys that they understand.
-    const understood = event.target.closest?.('[role=radiogroup]') && event.key.startsWith('Arrow');
+    const on = (selector) => event.target.closest?.(selector);
+    const typing = on('input, select, textarea') && event.key !== 'Escape';
+    const pressing = on('button, [tabindex]:not(canvas)') && [' ', 'Enter'].includes(event.key);
+    if (event.ctrlKey || event.metaKey || event.altKey || typing || pressing || document.querySelector('dialog[open]')) return;
+    const understood = on('[role=radiogroup]') && event.key.startsWith('Arrow');
     const motion = NAMED[event.key] ?? HELD[event.code];
     const action = this.actions[event.key.toLowerCase()];
     if (understood || (!motion && !action)) return;

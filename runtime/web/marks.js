@@ -1,4 +1,4 @@
-// Lines and marks over the picture, where the picture that is shown has them.
+// Lines and marks over the picture.
 
 import { project, stand } from './camera.js';
 
@@ -9,23 +9,24 @@ export class Marks {
   constructor(canvas, state, frames) {
     Object.assign(this, { canvas, state, frames });
     this.measure = null;
-    this.flag = null;
-    frames.addEventListener('shown', () => this.draw());
+    this.pose = null;
   }
 
-  /** Pixels of places, null where they are hidden, seen by the camera of the picture that is shown. */
+  /** Pixels of places, null where they are hidden. */
   pixels(places) {
     const { body } = this.state;
-    const { pose, lens } = this.frames.shown.note;
-    const camera = stand(body, pose);
+    const { lens } = this.frames.shown.note;
+    const camera = stand(body, this.pose);
     return places.map((place) => {
       const point = body.point(place);
       return body.sees(camera.at, point) ? project(camera, lens, point) : null;
     });
   }
 
-  draw() {
+  /** Draws all marks as a pose's camera sees them; without one, as before. */
+  draw(pose = this.pose) {
     const { canvas } = this;
+    this.pose = pose;
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     if (canvas.width !== Math.floor(width * ratio) || canvas.height !== Math.floor(height * ratio)) {
@@ -35,7 +36,7 @@ export class Marks {
     ink.setTransform(ratio, 0, 0, ratio, 0, 0);
     ink.clearRect(0, 0, width, height);
     const shown = this.frames.shown;
-    if (!shown || shown.note.planet !== this.state.planet.name) return;
+    if (!shown || !pose || shown.note.planet !== this.state.planet.name) return;
     ink.lineCap = 'round';
     ink.lineJoin = 'round';
     if (this.measure?.line.length) this.path(ink, this.pixels(this.measure.line));

@@ -48,7 +48,8 @@ export class Measure {
   async tap(pixel) {
     if (!this.active) return;
     const place = await this.readout.pick(pixel);
-    if (!place) {
+    if (place === undefined) return;
+    if (place === null) {
       this.say('That is the sky. Click the ground.');
       return;
     }
@@ -95,9 +96,9 @@ export class Measure {
       const ends = this.ends;
       const result = await this.questions.distance(this.state.planet, from.place, to.place);
       if (ends !== this.ends) return;
-      this.result = result;
-      await this.lay(from, to);
+      const line = await this.laid(from, to, result);
       if (ends !== this.ends) return;
+      Object.assign(this, { result, line });
       const azimuth = (deg) => `${wrap360(deg).toFixed(2)}°`;
       this.say(`${this.exact(result.distance_m)} · sets out at ${azimuth(result.azimuth_from_deg)}, `
         + `arrives at ${azimuth(result.azimuth_to_deg)}`);
@@ -111,15 +112,14 @@ export class Measure {
     return distance_m >= 1000 ? `${grouped(distance_m / 1000, 6)} km` : metres(distance_m, 3);
   }
 
-  /** Lays the line over the relief, or straight between the ends where heights are not to be had. */
-  async lay(from, to) {
+  /** The line over the relief, or straight between the ends where heights are not to be had. */
+  async laid(from, to, { distance_m, azimuth_from_deg }) {
     const { body, planet } = this.state;
-    const { distance_m, azimuth_from_deg } = this.result;
     const shares = Array.from({ length: POINTS + 1 }, (_, k) => k / POINTS);
     const points = shares.map((t) => body.walk(...from.place, azimuth_from_deg, t * distance_m).slice(0, 2));
     const straight = () => shares.map((t) => from.height_m + (to.height_m - from.height_m) * t);
     const heights_m = await this.questions.heights(planet, points).catch(straight);
-    this.line = points.map(([x, y], k) => [x, y, heights_m[k]]);
+    return points.map(([x, y], k) => [x, y, heights_m[k]]);
   }
 
   say(text) {

@@ -96,15 +96,24 @@ function oriented(body, pose, at, forward, up) {
   return { ...pose, x, y, heading_deg: wrap360(deg(Math.atan2(dot(level, east), dot(level, north)))) };
 }
 
+/** Shares of the pointer's way, tried where the whole of it leads off the globe. */
+const SHARES = [1, 0.6, 0.3, 0.1];
+
 /** A drag: the point that was grabbed follows the pointer, as far as there is a way. */
 export function dragged(body, pose, lens, point, pixel) {
-  const polar = !body.plane && Math.abs(pose.y) > POLAR_DEG;
-  const moved = polar ? null : held(body, pose, lens, point, pixel);
-  if (moved && (body.plane || Math.abs(moved.y) <= POLAR_DEG + 5)) return moved;
-  const low = pose.height_m < 0.05 * (body.a_m ?? 0);
-  if (body.plane || (low && !polar)) return pose;
-  const turned = spun(body, pose, lens, point, pixel);
-  return held(body, turned, lens, point, pixel) ?? turned;
+  if (body.plane) return held(body, pose, lens, point, pixel) ?? pose;
+  const polar = Math.abs(pose.y) > POLAR_DEG || Math.abs(body.place(point)[1]) > POLAR_DEG - 10;
+  if (polar) {
+    const turned = spun(body, pose, lens, point, pixel);
+    return held(body, turned, lens, point, pixel) ?? turned;
+  }
+  const seen = project(stand(body, pose), lens, point) ?? pixel;
+  for (const share of SHARES) {
+    const target = [0, 1].map((k) => seen[k] + share * (pixel[k] - seen[k]));
+    const moved = held(body, pose, lens, point, target);
+    if (moved) return moved;
+  }
+  return pose;
 }
 
 /**

@@ -12,6 +12,10 @@ export class Readout {
     this.asked = '';
     this.asked_ms = 0;
     this.busy = false;
+    /** Clicks that wait for an answer. */
+    this.taken = 0;
+    /** The last answer: {pixel, view, place}. */
+    this.last = null;
     this.show(null);
   }
 
@@ -22,12 +26,22 @@ export class Readout {
     return [(x / width) * size[0], (y / height) * size[1]];
   }
 
-  /** What a pixel of the canvas shows: a place of the protocol, or null. */
-  async pick(pixel) {
-    if (!this.frames.latest) return null;
+  /** What a pixel of the canvas shows: a place of the protocol, null in the sky, undefined if unknown. */
+  async ask(pixel) {
+    if (!this.frames.latest) return undefined;
     const place = await this.frames.connection.pick(this.frames.name, ...this.viewPixel(pixel));
     if (place) this.pilot.hovered = { pixel, height_m: place.height_m };
     return place;
+  }
+
+  /** As `ask`, and the pointer does not ask in between. */
+  async pick(pixel) {
+    this.taken += 1;
+    try {
+      return await this.ask(pixel);
+    } finally {
+      this.taken -= 1;
+    }
   }
 
   async tick() {
@@ -35,10 +49,13 @@ export class Readout {
     const key = `${pixel} ${this.frames.number} ${this.frames.shown?.header.seq}`;
     const dragging = this.pointer.down.size > 0;
     const now = performance.now();
-    if (this.busy || dragging || key === this.asked || now - this.asked_ms < PAUSE_MS || !this.frames.latest) return;
+    if (this.busy || this.taken || dragging || key === this.asked || now - this.asked_ms < PAUSE_MS || !this.frames.latest) return;
     Object.assign(this, { asked: key, asked_ms: now, busy: true });
-    const place = await this.pick(pixel);
+    const view = this.frames.number;
+    const place = await this.ask(pixel);
     this.busy = false;
+    if (place === undefined) return;
+    this.last = { pixel, view, place };
     this.show(place, this.pointer.over === null);
   }
 

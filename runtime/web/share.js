@@ -12,7 +12,6 @@ export class Share {
     Object.assign(this, { state, connection, pilot, notices, written_ms: 0, saving: false });
     $('save').onclick = () => this.save();
     $('link').onclick = () => this.copy();
-    window.addEventListener('hashchange', () => this.state.restore(location.hash));
   }
 
   /** Keeps the address up to date, a few times a second at most: browsers refuse more. */
@@ -24,11 +23,15 @@ export class Share {
     if (bookmark !== location.hash) history.replaceState(null, '', bookmark);
   }
 
+  /** Copies the address of the view; a token is the user's own and stays here. */
   async copy() {
-    history.replaceState(null, '', `#${this.state.bookmark()}`);
+    const url = new URL(location.href);
+    const secret = url.searchParams.has('token');
+    url.searchParams.delete('token');
+    url.hash = this.state.bookmark();
     try {
-      await navigator.clipboard.writeText(location.href);
-      this.notices.say({ what: 'Link copied', mild: true });
+      await navigator.clipboard.writeText(url.href);
+      this.notices.say({ what: secret ? 'Link copied, without your token' : 'Link copied', mild: true });
     } catch {
       this.notices.say({
         what: 'The link could not be copied',

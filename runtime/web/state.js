@@ -47,6 +47,12 @@ export class ViewState extends EventTarget {
     this.change({ planet, body, light, sun, pose: home(planet, body) });
   }
 
+  /** The same planet from a daemon that came back, or from a new file. */
+  renew(planet) {
+    this.change({ planet, body: bodyOf(planet) });
+  }
+
+  /** The pose that sees all of the planet. */
   home() {
     return home(this.planet, this.body);
   }

@@ -10,7 +10,6 @@ test('the page says that the daemon is away, comes back by itself and goes on', 
   try {
     await withPage('reconnect', async (page) => {
       await page.click('#zoom-in');
-      await page.waitForTimeout(500);
       await settled(page);
       const [pose, view] = [await relief(page, 'pose'), await relief(page, 'view')];
       await first.stop('SIGKILL');

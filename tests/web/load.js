@@ -53,7 +53,11 @@ test('a phone shows all of it without scrolling sideways', () => withPage('phone
 
 test('all controls have names', () => withPage('names', async (page) => {
   const unnamed = await page.evaluate(() => [...document.querySelectorAll('button, input, select')]
-    .filter((element) => !(element.ariaLabel || element.labels?.length || element.textContent.trim()))
+    .filter((element) => {
+      const by = document.getElementById(element.getAttribute('aria-labelledby'));
+      const label = by ?? element.closest('label');
+      return !(element.ariaLabel || (label ?? element).textContent.trim());
+    })
     .map((element) => element.outerHTML));
   assert.deepEqual(unnamed, []);
 }));

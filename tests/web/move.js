@@ -17,14 +17,21 @@ async function drag(page, from, to, options = {}) {
   await settled(page);
 }
 
-/** What lies under the pointer: the text of the readout, once it is of this picture. */
+/** Longitude and latitude under the pointer in the picture that is shown. */
 async function under(page, pixel) {
-  await page.mouse.move(pixel[0] + 1, pixel[1]);
   await page.mouse.move(...pixel);
-  await page.waitForTimeout(400);
-  const text = await page.textContent('#readout span');
-  const [lat, north, lon, east] = /([\d.]+)° ([NS]) ([\d.]+)° ([EW])/.exec(text).slice(1);
-  return [Number(lon) * (east === 'W' ? -1 : 1), Number(lat) * (north === 'S' ? -1 : 1)];
+  await until(page, ([x, y]) => {
+    const { settled, under: answer, view } = window.relief;
+    return settled && answer?.view === view && answer.pixel[0] === x && answer.pixel[1] === y && answer.place;
+  }, pixel);
+  const { place } = await relief(page, 'under');
+  return [place.x, place.y];
+}
+
+/** Turns the wheel and waits until the camera stands still. */
+async function wheel(page, notches) {
+  for (let k = 0; k < Math.abs(notches); k += 1) await page.mouse.wheel(0, 240 * Math.sign(notches));
+  await until(page, () => !window.relief.moving);
 }
 
 test('a drag moves the planet, and the point stays under the pointer', () => withPage('drag', async (page) => {
@@ -68,19 +75,14 @@ test('a drag with the right button tilts and turns about the pointer', () => wit
 
 test('the wheel zooms to the ground, where the camera stays above it', () => withPage('ground', async (page) => {
   const target = await under(page, [600, 330]);
-  let pose;
-  for (let k = 0; k < 60; k += 1) {
-    await page.mouse.wheel(0, -900);
-    await page.waitForTimeout(60);
+  let pose = await relief(page, 'pose');
+  for (let k = 0; k < 12 && pose.height_m > 1500; k += 1) {
+    await wheel(page, -4);
     pose = await relief(page, 'pose');
-    if (pose.height_m < 700) break;
   }
   assert.ok(pose.height_m < 1500, JSON.stringify(pose));
-  await settled(page);
-  pose = await relief(page, 'pose');
   assert.ok(Math.hypot(pose.x - target[0], pose.y - target[1]) < 0.5, `${JSON.stringify(pose)} ${target}`);
-  for (let k = 0; k < 12; k += 1) await page.mouse.wheel(0, -900);
-  await page.waitForTimeout(1000);
+  for (let k = 0; k < 4; k += 1) await wheel(page, -4);
   await settled(page);
   pose = await relief(page, 'pose');
   const answer = await page.request.get(new URL(`/v1/planets/earth/height?lon=${pose.x}&lat=${pose.y}`, page.url()).href);
@@ -91,8 +93,7 @@ test('the wheel zooms to the ground, where the camera stays above it', () => wit
 
 test('the wheel goes out as far as three radii and no farther', () => withPage('far', async (page) => {
   await page.mouse.move(640, 360);
-  for (let k = 0; k < 10; k += 1) await page.mouse.wheel(0, 900);
-  await page.waitForTimeout(1000);
+  for (let k = 0; k < 3; k += 1) await wheel(page, 4);
   await settled(page);
   const { height_m } = await relief(page, 'pose');
   assert.ok(height_m > 1.2e7 && height_m <= 3 * 6_378_137, `${height_m}`);
@@ -100,16 +101,11 @@ test('the wheel goes out as far as three radii and no farther', () => withPage('
 
 test('keys move, turn, tilt, zoom and go home', () => withPage('keys', async (page) => {
   const home = await relief(page, 'pose');
-  const pressed = async (key) => {
-    const before = await relief(page, 'pose');
-    await page.keyboard.down(key);
-    await page.waitForTimeout(150);
-    await page.keyboard.up(key);
-    return [before, await relief(page, 'pose')];
-  };
   const grew = async (key, field, sign) => {
-    const [before, after] = await pressed(key);
-    assert.ok(sign * (after[field] - before[field]) > 0, `${key}: ${before[field]} to ${after[field]}`);
+    const before = (await relief(page, 'pose'))[field];
+    await page.keyboard.down(key);
+    await until(page, ([name, from, way]) => way * (window.relief.pose[name] - from) > 0, [field, before, sign]);
+    await page.keyboard.up(key);
   };
   await grew('ArrowUp', 'y', 1);
   await grew('s', 'y', -1);
@@ -127,4 +123,20 @@ test('keys move, turn, tilt, zoom and go home', () => withPage('keys', async (pa
   assert.deepEqual(await relief(page, 'pose'), home);
   await page.keyboard.press('?');
   assert.equal(await page.isVisible('#help'), true);
+  await page.keyboard.press('Escape');
+  assert.equal(await page.isVisible('#help'), false);
+}));
+
+test('keys do what a focused control says, not what the map would', () => withPage('focus', async (page) => {
+  await page.focus('#inset-toggle');
+  await page.keyboard.press(' ');
+  assert.equal(await page.isVisible('#inset'), true);
+  assert.equal(await page.getAttribute('#play', 'aria-pressed'), 'false');
+  const pose = await relief(page, 'pose');
+  await page.focus('#place');
+  await page.keyboard.type('wasd+nmh');
+  await page.focus('#overlay [aria-checked=true]');
+  await page.keyboard.press('ArrowRight');
+  assert.equal(await page.getAttribute('#overlay [data-value=wireframe]', 'aria-checked'), 'true');
+  assert.deepEqual(await relief(page, 'pose'), pose);
 }));

@@ -4,4 +4,5 @@ import './load.js';
 import './move.js';
 import './look.js';
 import './places.js';
+import './planets.js';
 import './away.js';

@@ -92,10 +92,12 @@ test('a bookmark restores the view', async () => {
     await page.click('#overlay [data-value=lod]');
     await page.click('#shadow [data-value=off]');
     await page.click('#zoom-in');
-    await page.waitForTimeout(700);
     await settled(page);
-    await until(page, () => /overlay=lod/.test(location.hash) && /shadow=off/.test(location.hash));
-    await page.waitForTimeout(500);
+    // The address follows a few times a second.
+    await until(page, () => {
+      const high = window.relief.pose.height_m.toPrecision(8);
+      return location.hash.includes(`,${Number(high)},`) && /shadow=off/.test(location.hash);
+    });
     hash = await page.evaluate(() => location.hash);
     shown = await picture(page);
   });
@@ -105,6 +107,23 @@ test('a bookmark restores the view', async () => {
     assert.equal(await page.getAttribute('#overlay [data-value=lod]', 'aria-checked'), 'true');
   }, { hash });
 });
+
+test('another address in the same page is another view', () => withPage('address', async (page) => {
+  await page.evaluate(() => { location.hash = '#planet=sierra&shadow=soft'; });
+  await until(page, () => window.relief.settled && window.relief.planet === 'sierra');
+  await page.evaluate(() => { location.hash = '#planet=earth&at=-70,-20,900000,30,-50'; });
+  await until(page, () => window.relief.settled && window.relief.planet === 'earth' && window.relief.pose.heading_deg === 30);
+  assert.equal(await page.inputValue('#planet'), 'earth');
+}));
+
+test('a link is copied without the token', () => withPage('link', async (page) => {
+  await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
+  await page.click('#link');
+  await page.waitForSelector('.toast');
+  const copied = new URL(await page.evaluate(() => navigator.clipboard.readText()));
+  assert.equal(copied.searchParams.get('token'), null);
+  assert.match(copied.hash, /^#planet=earth&at=15,20,/);
+}, { hash: '?token=secret' }));
 
 test('a bookmark of nonsense shows all of the planet', () => withPage('nonsense', async (page) => {
   const pose = await relief(page, 'pose');

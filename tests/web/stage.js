@@ -1,4 +1,4 @@
-// What all tests stand on: a baked file, a daemon that serves it, a browser, and pages that must not
+// What all tests stand on: a globe and a plane, a daemon that serves them, a browser, and pages that must not
 // complain on their consoles.
 
 import assert from 'node:assert/strict';
@@ -7,6 +7,7 @@ import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before } from 'node:test';
+import { setTimeout as sleep } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 
@@ -24,9 +25,10 @@ const stage = {};
 before(async () => {
   mkdirSync(SHOTS, { recursive: true });
   stage.folder = mkdtempSync(join(tmpdir(), 'relief-web-'));
-  stage.file = join(stage.folder, 'earth.relief');
-  const source = join(ROOT, 'tests/data/earth_etopo1_6min.tif');
-  execFileSync(BAKE, ['bake', source, '--m', '8', '--vertical', 'egm96', '-o', stage.file], { stdio: 'pipe' });
+  stage.files = [
+    bake('earth', 'earth_etopo1_6min.tif', '--m', '8', '--vertical', 'egm96'),
+    bake('sierra', 'sierra_albers_30m.tif', '--body', 'plane', '--vertical', 'as-given'),
+  ];
   stage.daemon = await serve();
   stage.browser = await chromium.launch({
     executablePath: CHROMIUM,
@@ -43,9 +45,15 @@ after(async () => {
   rmSync(stage.folder, { recursive: true, force: true });
 });
 
+function bake(name, source, ...options) {
+  const file = join(stage.folder, `${name}.relief`);
+  execFileSync(BAKE, ['bake', join(ROOT, 'tests/data', source), ...options, '-o', file], { stdio: 'pipe' });
+  return file;
+}
+
 /** Starts a daemon: {address, stop}. `stop` ends it with a signal and waits until it is gone. */
 export async function serve(listen = 'auto') {
-  const args = ['serve', stage.file, '--listen', listen, '--backend', 'cpu', '--headless'];
+  const args = ['serve', ...stage.files, '--listen', listen, '--backend', 'cpu', '--headless'];
   const child = spawn(RELIEFD, args, { stdio: ['ignore', 'pipe', 'pipe'] });
   const gone = new Promise((done) => { child.once('exit', done); });
   let said = '';
@@ -96,6 +104,15 @@ export const settled = (page) => until(page, () => window.relief?.settled);
 
 /** Waits until a function in the page is true. */
 export const until = (page, test, arg) => page.waitForFunction(test, arg, { timeout: PATIENCE_MS, polling: 50 });
+
+/** Waits until an asynchronous question is answered with true. */
+export async function eventually(question) {
+  const late = Date.now() + PATIENCE_MS;
+  while (!await question()) {
+    assert.ok(Date.now() < late, `within ${PATIENCE_MS} ms: ${question}`);
+    await sleep(50);
+  }
+}
 
 /** A field of window.relief. */
 export const relief = (page, field) => page.evaluate((name) => window.relief[name], field);
