@@ -153,7 +153,7 @@ fn views_of_many_sizes_take_turns_and_look_as_they_do_alone() {
     // More sizes than are kept, and one too large to be kept with others.
     let sizes =
         [[64, 36], [1, 1], [36, 64], [100, 50], [50, 100], [2048, 2047], [8, 8], [9, 9], [10, 10], [11, 11], [12, 12]];
-    let view = |size: [u32; 2]| View { width: size[0], height: size[1], ..views()[1].clone() };
+    let view = |size: [u32; 2]| View { width: size[0], height: size[1], ..views()[1] };
     let settings = Settings { shadow: Shadow::None, ..Settings::default() };
     let mut turns = gpu(&device, &planet);
     let alone: Vec<Frame> = sizes

@@ -6,14 +6,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use relief_protocol::error::{Code, Fault};
-use relief_protocol::payload::Stats;
 use relief_runtime::frame::{self, RenderError};
 use relief_runtime::gpu::DeviceError;
 use relief_runtime::planet::Planet;
 
 use super::board::{Board, Next};
 use super::drawer::Drawer;
-use super::picture::{Hold, Picture};
+use super::picture::{Hold, Picture, stats};
 use super::recovery::Recovery;
 use super::slot::{Ask, Sink};
 use super::{Limits, Listener};
@@ -276,22 +275,5 @@ impl From<RenderError> for Failed {
             ) => Self::Device(error),
             error => Self::View(of_draw(error)),
         }
-    }
-}
-
-fn stats(stats: &frame::Stats, ask: &Ask, began: Instant) -> Stats {
-    let ms = |time: Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
-    let fetches = stats.fetches;
-    let passes: BTreeMap<String, f64> =
-        stats.pass_ms.iter().map(|&(name, ms)| (name.to_owned(), (ms * 1e3).round() / 1e3)).collect();
-    Stats {
-        triangles: stats.triangles,
-        tiles_resident: stats.tiles_resident as u64,
-        tiles_missing: stats.tiles_missing as u64,
-        draw_ms: ms(began.elapsed()),
-        wait_ms: ms(began.saturating_duration_since(ask.arrived)),
-        pass_ms: passes,
-        fetches_per_ray: (fetches.rays > 0).then(|| (fetches.heights + fetches.extremes) as f64 / fetches.rays as f64),
-        holes: stats.overflow,
     }
 }
