@@ -1,4 +1,4 @@
-// Small helpers for the page's elements.
+// The page's elements: found, shown, and groups of choices.
 
 /** The element with an id. */
 export const $ = (id) => document.getElementById(id);

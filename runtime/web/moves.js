@@ -120,36 +120,48 @@ export function dragged(body, pose, lens, point, pixel) {
  * The pose that looks at a point through a pixel from a distance in metres, heading and pitch kept;
  * null where there is none, as around a pole.
  */
-function from(body, pose, lens, point, pixel, distance_m) {
+export function from(body, pose, lens, point, pixel, distance_m) {
   let now = pose;
-  for (let k = 0; k < 30; k += 1) {
+  // The slower, the farther the point: by three quarters from three radii.
+  for (let k = 0; k < 90; k += 1) {
     const direction = ray(stand(body, now), lens, pixel);
     const [far_x, far_y, height_m] = body.place(sub(point, scale(direction, distance_m)));
     const [x, y] = body.tidy([far_x, far_y]);
     const moved = Math.abs(wrap180(x - now.x)) + Math.abs(y - now.y);
     now = { ...now, x, y, height_m };
-    if (moved < 1e-11) return now;
+    if (moved < 1e-10) return now;
   }
   return null;
 }
 
-/** Closer to a point by a factor, which stays under its pixel. */
+/** Closer to a point by a factor, which stays under its pixel; above 1 farther, as high as there is. */
 export function zoomed(body, pose, lens, point, pixel, factor) {
   const camera = stand(body, pose);
   const offset = sub(camera.at, point);
-  const aim = factor > 1 ? onTheGlobe(body, pose) : pose;
-  const now = from(body, aim, lens, point, pixel, length(offset) * factor)
-    ?? straight(body, pose, camera, add(point, scale(offset, factor)));
+  const distance_m = length(offset) * factor;
+  if (factor <= 1) {
+    return from(body, pose, lens, point, pixel, distance_m)
+      ?? straight(body, pose, camera, add(point, scale(offset, factor)));
+  }
+  const aim = lowered(body, pose, factor);
+  const now = from(body, aim, lens, point, pixel, distance_m);
+  const seen = now && body.sees(stand(body, now).at, point) && now.height_m > pose.height_m;
+  if (!seen) return risen(body, pose, pose.height_m - body.place(point)[2], factor);
   return now.height_m > body.highest_m ? pose : now;
 }
 
-/** A pitch with which a camera that rises still looks at the globe. */
-function onTheGlobe(body, pose) {
-  if (body.plane) return pose;
-  const high = Math.max(pose.height_m, 0) / body.a_m;
-  const share = 0.8 + 0.8 * Math.exp(-10 * high);
-  const most_deg = share * deg(Math.asin(1 / (1 + high))) - 90;
-  return { ...pose, pitch_deg: Math.min(pose.pitch_deg, most_deg) };
+/** Straight up, to a factor of the height above the ground. */
+export function risen(body, pose, above_m, factor) {
+  const height_m = pose.height_m + Math.max(above_m, 1) * (factor - 1);
+  return { ...lowered(body, pose, factor), height_m: Math.max(pose.height_m, Math.min(height_m, body.highest_m)) };
+}
+
+/** Looking down the more, the higher: so that a camera that rises has the body in its picture. */
+function lowered(body, pose, factor) {
+  const high = Math.max(pose.height_m, 0) / (body.plane ? 10 * body.extent_m : body.a_m);
+  const aim_deg = -90 * (1 - Math.exp(-12 * high));
+  const way_deg = Math.min(aim_deg - pose.pitch_deg, 0);
+  return { ...pose, pitch_deg: pose.pitch_deg + way_deg * (1 - factor ** -1.5) };
 }
 
 /** Moved in a straight line, directions kept; heading follows. */

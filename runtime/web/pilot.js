@@ -2,7 +2,7 @@
 
 import { ground, ray, stand } from './camera.js';
 import { Flight } from './flight.js';
-import { dragged, looked, orbited, walked, zoomed } from './moves.js';
+import { dragged, from, looked, orbited, risen, walked, zoomed } from './moves.js';
 import { add, clamp, length, scale, sub } from './vector.js';
 
 /** Share of a zoom that is still to come which a sixtieth of a second takes. */
@@ -43,12 +43,12 @@ export class Pilot {
     return ground(body, stand(body, pose), this.lens, pixel, height_m);
   }
 
-  /** A point in a pixel's direction even in the sky. */
+  /** A point ahead in the sky. */
   towards(pixel) {
     const { body, pose } = this.state;
     const camera = stand(body, pose);
     const ahead_m = Math.max(5 * this.ground.above_m(pose), 50);
-    return this.at(pixel) ?? add(camera.at, scale(ray(camera, this.lens, pixel), ahead_m));
+    return add(camera.at, scale(ray(camera, this.lens, pixel), ahead_m));
   }
 
   put(pose) {
@@ -100,9 +100,14 @@ export class Pilot {
     this.turn(dx * DEG_PER_PIXEL, -dy * DEG_PER_PIXEL);
   }
 
-  /** Nearer to the point under a pixel by a factor, at once. */
-  zoomNow(pixel, factor, point = this.towards(pixel)) {
+  /** Nearer to the point under a pixel by a factor, at once; away from the sky is up. */
+  zoomNow(pixel, factor, target = this.at(pixel)) {
     const { body, pose } = this.state;
+    if (!target && factor > 1) {
+      this.put(risen(body, pose, this.ground.above_m(pose), factor));
+      return;
+    }
+    const point = target ?? this.towards(pixel);
     const distance_m = length(sub(point, stand(body, pose).at));
     const least = Math.min(1, NEAREST_M / distance_m);
     this.put(zoomed(body, pose, this.lens, point, pixel, Math.max(factor, least)));
@@ -113,7 +118,7 @@ export class Pilot {
     const same = this.zoom && Math.hypot(this.zoom.pixel[0] - pixel[0], this.zoom.pixel[1] - pixel[1]) < 3;
     if (!same) {
       this.stop();
-      this.zoom = { pixel, point: this.towards(pixel), left: 0 };
+      this.zoom = { pixel, point: this.at(pixel), left: 0 };
     }
     this.zoom.left = clamp(this.zoom.left + Math.log(factor), -3, 3);
   }
@@ -147,10 +152,8 @@ export class Pilot {
     const pitch_deg = -40;
     const heading_deg = body.plane ? pose.heading_deg : 0;
     const over = { x, y, height_m: ground_m + distance_m, heading_deg, pitch_deg };
-    const pixel = this.centre;
     const point = body.point([x, y, ground_m]);
-    const direct = length(sub(point, stand(body, over).at));
-    const aimed = zoomed(body, over, this.lens, point, pixel, distance_m / direct);
+    const aimed = from(body, over, this.lens, point, this.centre, distance_m) ?? over;
     this.fly(aimed, ground_m);
   }
 

@@ -99,6 +99,27 @@ test('the wheel goes out as far as three radii and no farther', () => withPage('
   assert.ok(height_m > 1.2e7 && height_m <= 3 * 6_378_137, `${height_m}`);
 }));
 
+test('zooming out from a slanting view ends above the planet', () => withPage('out', async (page) => {
+  await page.mouse.move(640, 500);
+  for (let k = 0; k < 5; k += 1) await wheel(page, 4);
+  await settled(page);
+  const { height_m, pitch_deg } = await relief(page, 'pose');
+  assert.ok(height_m > 1.2e7 && pitch_deg < -85, `${height_m} ${pitch_deg}`);
+  assert.ok(await relief(page, 'triangles') > 100);
+}, { hash: '#planet=earth&at=86.9,27,30000,40,-5' }));
+
+test('zooming in and out again comes back', () => withPage('there-and-back', async (page) => {
+  const pose = await relief(page, 'pose');
+  const place = await under(page, [840, 260]);
+  for (const notches of [-4, -4, 4, 4]) {
+    await wheel(page, notches);
+    const now = await under(page, [840, 260]);
+    assert.ok(Math.hypot(now[0] - place[0], now[1] - place[1]) < 0.3, `${now} ${place}`);
+  }
+  const { x, y, height_m } = await relief(page, 'pose');
+  assert.ok(Math.hypot(x - pose.x, y - pose.y) < 0.1 && Math.abs(height_m / pose.height_m - 1) < 1e-3, `${x} ${y} ${height_m}`);
+}));
+
 test('keys move, turn, tilt, zoom and go home', () => withPage('keys', async (page) => {
   const home = await relief(page, 'pose');
   const grew = async (key, field, sign) => {

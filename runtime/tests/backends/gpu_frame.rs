@@ -8,7 +8,7 @@ use relief_formats::body::Body;
 use relief_formats::geodesy::lat_deg;
 use relief_runtime::cpu::Cpu;
 use relief_runtime::frame::RenderError;
-use relief_runtime::frame::{Frame, Overlay, Renderer, Scheme, Settings};
+use relief_runtime::frame::{Frame, Overlay, Renderer, Scheme, Settings, Shadow};
 use relief_runtime::gpu::{Device, DeviceError, Gpu, HostTargets};
 use relief_runtime::planet::Planet;
 use relief_runtime::view::{Camera, Sun, View, ViewError};
@@ -144,6 +144,30 @@ fn pixels_do_not_depend_on_the_order_of_loading() {
     assert!(expected.colour == found.colour && expected.distance_m == found.distance_m);
     assert!(expected.normal == found.normal && expected.lit == found.lit);
     assert_ne!(expected.colour, frame(&mut used, &first).colour);
+}
+
+#[test]
+fn views_of_many_sizes_take_turns_and_look_as_they_do_alone() {
+    let Some(device) = crate::support::device() else { return };
+    let planet = crate::support::planet(&Sample::new(Body::earth(), 9));
+    // More sizes than are kept, and one too large to be kept with others.
+    let sizes =
+        [[64, 36], [1, 1], [36, 64], [100, 50], [50, 100], [2048, 2047], [8, 8], [9, 9], [10, 10], [11, 11], [12, 12]];
+    let view = |size: [u32; 2]| View { width: size[0], height: size[1], ..views()[1] };
+    let settings = Settings { shadow: Shadow::None, ..Settings::default() };
+    let mut turns = gpu(&device, &planet);
+    let alone: Vec<Frame> = sizes
+        .iter()
+        .take(5)
+        .map(|&size| gpu(&device, &planet).render_until_complete(&view(size), &settings, LONG).unwrap())
+        .collect();
+    for _ in 0..2 {
+        let found = sizes.map(|size| turns.render_until_complete(&view(size), &settings, LONG).unwrap());
+        for (alone, found) in alone.iter().zip(&found) {
+            assert!(alone.colour == found.colour && alone.distance_m == found.distance_m, "{}", alone.width);
+        }
+        assert_ne!(found[0].colour, found[2].colour);
+    }
 }
 
 #[test]

@@ -16,7 +16,7 @@ const MOST_MAPS: usize = 256;
 const TAKEN: usize = 1;
 
 /// Maps, as a signal handler may read them: without locks, without allocation.
-static MAPS: [Map; MOST_MAPS] = [const { Map::NONE }; MOST_MAPS];
+static MAPS: [Map; MOST_MAPS] = [const { Map::free() }; MOST_MAPS];
 /// What SIGBUS did before, and the size of a page.
 static BEFORE: OnceLock<(libc::sigaction, usize)> = OnceLock::new();
 
@@ -73,12 +73,14 @@ impl Drop for Guard {
 }
 
 impl Map {
-    const NONE: Self = Self {
-        start: AtomicUsize::new(0),
-        bytes: AtomicUsize::new(0),
-        file: AtomicI32::new(-1),
-        faults: AtomicU64::new(0),
-    };
+    const fn free() -> Self {
+        Self {
+            start: AtomicUsize::new(0),
+            bytes: AtomicUsize::new(0),
+            file: AtomicI32::new(-1),
+            faults: AtomicU64::new(0),
+        }
+    }
 
     /// Puts zeros where `address` cannot be read; false when it is not within this map.
     ///

@@ -12,7 +12,7 @@ use crate::balance::Balance;
 use crate::sample_file::Sample;
 
 /// Longer than anything takes on a busy machine.
-pub const LONG: Duration = Duration::from_secs(20);
+pub const LONG: Duration = Duration::from_secs(60);
 
 /// A folder with files.
 pub struct Folder(tempfile::TempDir);

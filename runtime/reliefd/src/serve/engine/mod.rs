@@ -4,6 +4,7 @@
 mod board;
 mod drawer;
 mod picture;
+mod recovery;
 mod slot;
 mod work;
 
@@ -19,6 +20,7 @@ use tokio::sync::oneshot;
 
 use crate::backend::{Backend, BackendChoice};
 use board::Board;
+use recovery::Recovery;
 use work::Worker;
 
 pub use drawer::Drawer;
@@ -89,9 +91,19 @@ impl Engine {
         limits: Limits,
         listener: impl Listener,
     ) -> Result<Self, StartError> {
+        Self::start_with(planet, backend, limits, listener, Recovery::default())
+    }
+
+    fn start_with(
+        planet: Arc<Planet>,
+        backend: Backend,
+        limits: Limits,
+        listener: impl Listener,
+        recovery: Recovery,
+    ) -> Result<Self, StartError> {
         let board = Arc::new(Board::default());
         let name = backend.name();
-        let worker = Worker::new(Arc::clone(&board), planet, backend, limits, Box::new(listener))?;
+        let worker = Worker::new(Arc::clone(&board), planet, backend, limits, Box::new(listener), recovery)?;
         let thread = std::thread::Builder::new()
             .name("engine".into())
             .spawn(move || worker.run())
@@ -198,3 +210,6 @@ impl Drop for Camera {
 fn ending() -> Fault {
     Fault::new(Code::Internal, "the daemon is ending", "a picture needs a daemon that runs", "attach again later")
 }
+
+#[cfg(test)]
+mod tests;

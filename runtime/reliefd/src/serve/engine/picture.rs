@@ -1,13 +1,16 @@
 //! What the engine made of a view.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use relief_protocol::payload::Stats;
-use relief_runtime::frame::{Frame, ReliefTriangle};
+use relief_runtime::frame::{self, Frame, ReliefTriangle};
 use relief_runtime::planet::Planet;
 use relief_runtime::view::View;
 
 use super::board::Board;
+use super::slot::Ask;
 
 /// A picture, not yet packed. While it or its hold lives its camera is not drawn again.
 pub struct Picture {
@@ -49,5 +52,23 @@ pub struct Hold {
 impl Drop for Hold {
     fn drop(&mut self) {
         self.board.handed_over(self.slot);
+    }
+}
+
+/// What a frame cost, whose drawing began then.
+pub(super) fn stats(stats: &frame::Stats, ask: &Ask, began: Instant) -> Stats {
+    let ms = |time: Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
+    let fetches = stats.fetches;
+    let passes: BTreeMap<String, f64> =
+        stats.pass_ms.iter().map(|&(name, ms)| (name.to_owned(), (ms * 1e3).round() / 1e3)).collect();
+    Stats {
+        triangles: stats.triangles,
+        tiles_resident: stats.tiles_resident as u64,
+        tiles_missing: stats.tiles_missing as u64,
+        draw_ms: ms(began.elapsed()),
+        wait_ms: ms(began.saturating_duration_since(ask.arrived)),
+        pass_ms: passes,
+        fetches_per_ray: (fetches.rays > 0).then(|| (fetches.heights + fetches.extremes) as f64 / fetches.rays as f64),
+        holes: stats.overflow,
     }
 }

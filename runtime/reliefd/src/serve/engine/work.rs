@@ -6,24 +6,19 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use relief_protocol::error::{Code, Fault};
-use relief_protocol::payload::Stats;
 use relief_runtime::frame::{self, RenderError};
 use relief_runtime::gpu::DeviceError;
 use relief_runtime::planet::Planet;
 
 use super::board::{Board, Next};
 use super::drawer::Drawer;
-use super::picture::{Hold, Picture};
+use super::picture::{Hold, Picture, stats};
+use super::recovery::Recovery;
 use super::slot::{Ask, Sink};
 use super::{Limits, Listener};
 use crate::backend::{Backend, BackendChoice};
 use crate::serve::ask::{Asked, asked, of_draw};
 
-/// Waits between attempts to make a lost device anew.
-const RETRIES: [Duration; 4] =
-    [Duration::ZERO, Duration::from_millis(200), Duration::from_secs(1), Duration::from_secs(5)];
-/// Views are refused for so long after all attempts failed: each round of them holds the others up.
-const GIVEN_UP: Duration = Duration::from_secs(30);
 /// Least time between two words on damaged tiles.
 const DAMAGE_TOLD: Duration = Duration::from_secs(2);
 
@@ -40,6 +35,7 @@ pub(super) struct Worker {
     lacked: BTreeMap<u64, Vec<u32>>,
     /// No device could be had; none is tried for before this.
     given_up: Option<(Instant, DeviceError)>,
+    recovery: Recovery,
 }
 
 impl Worker {
@@ -49,10 +45,11 @@ impl Worker {
         backend: Backend,
         limits: Limits,
         listener: Box<dyn Listener>,
+        recovery: Recovery,
     ) -> Result<Self, RenderError> {
         let drawer = Drawer::new(&backend, &planet, limits.atlas_bytes)?;
         let (damaged, lacked) = ((0, None), BTreeMap::new());
-        Ok(Self { board, planet, drawer, limits, listener, backend, damaged, lacked, given_up: None })
+        Ok(Self { board, planet, drawer, limits, listener, backend, damaged, lacked, given_up: None, recovery })
     }
 
     pub fn run(mut self) {
@@ -114,7 +111,7 @@ impl Worker {
             Err(Failed::Device(error)) => {
                 let recovered = self.recover(&error);
                 self.board.handed_over(slot);
-                self.given_up = (!recovered).then(|| (Instant::now() + GIVEN_UP, error.clone()));
+                self.given_up = (!recovered).then(|| (Instant::now() + self.recovery.given_up, error.clone()));
                 if !recovered {
                     self.board.forget(slot);
                     sink(Err(of_draw(error.into()).at(ask.view)));
@@ -217,8 +214,8 @@ impl Worker {
             "drawing needs a GPU that works",
             "wait: the daemon makes the device anew, and pictures follow",
         ));
-        for wait in RETRIES {
-            std::thread::sleep(wait);
+        for wait in self.recovery.waits {
+            std::thread::sleep(*wait);
             if self.renew(self.limits.backend).is_ok() {
                 return true;
             }
@@ -231,8 +228,8 @@ impl Worker {
         let backend = match (choice, &self.backend) {
             (BackendChoice::Cpu, _) => Backend::Cpu,
             // A software adapter that was asked for is one again.
-            (BackendChoice::Auto, Backend::Gpu(_)) => find(BackendChoice::Gpu)?,
-            (choice, _) => find(choice)?,
+            (BackendChoice::Auto, Backend::Gpu(_)) => (self.recovery.find)(BackendChoice::Gpu)?,
+            (choice, _) => (self.recovery.find)(choice)?,
         };
         self.drawer = Drawer::new(&backend, &self.planet, self.limits.atlas_bytes).map_err(of_draw)?;
         self.backend = backend;
@@ -254,10 +251,6 @@ impl Drop for Closing {
     fn drop(&mut self) {
         self.0.close();
     }
-}
-
-fn find(choice: BackendChoice) -> Result<Backend, Fault> {
-    Backend::find(choice).map_err(|error| crate::serve::ask::of_tool(Code::Device, &error))
 }
 
 /// Why no picture came about.
@@ -282,22 +275,5 @@ impl From<RenderError> for Failed {
             ) => Self::Device(error),
             error => Self::View(of_draw(error)),
         }
-    }
-}
-
-fn stats(stats: &frame::Stats, ask: &Ask, began: Instant) -> Stats {
-    let ms = |time: Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
-    let fetches = stats.fetches;
-    let passes: BTreeMap<String, f64> =
-        stats.pass_ms.iter().map(|&(name, ms)| (name.to_owned(), (ms * 1e3).round() / 1e3)).collect();
-    Stats {
-        triangles: stats.triangles,
-        tiles_resident: stats.tiles_resident as u64,
-        tiles_missing: stats.tiles_missing as u64,
-        draw_ms: ms(began.elapsed()),
-        wait_ms: ms(began.saturating_duration_since(ask.arrived)),
-        pass_ms: passes,
-        fetches_per_ray: (fetches.rays > 0).then(|| (fetches.heights + fetches.extremes) as f64 / fetches.rays as f64),
-        holes: stats.overflow,
     }
 }
