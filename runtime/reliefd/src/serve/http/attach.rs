@@ -13,6 +13,7 @@ use relief_protocol::MOST_MESSAGE_BYTES;
 use relief_protocol::error::{Code, Fault};
 use relief_protocol::to_viewer::ToViewer;
 use tokio::sync::{broadcast, mpsc};
+use tungstenite::error::ProtocolError;
 
 use crate::serve::hub::Hub;
 use crate::serve::patience::patience;
@@ -104,7 +105,7 @@ async fn read(mut session: Session, mut stream: SplitStream<WebSocket>) -> Optio
             Some(Ok(Message::Binary(bytes))) => return Some(binary(bytes.len()).fatal()),
             Some(Ok(Message::Ping(_) | Message::Pong(_))) => {}
             Some(Ok(Message::Close(_))) | None => return None,
-            Some(Err(error)) => return Some(broken(&error).fatal()),
+            Some(Err(error)) => return broken(error).map(Fault::fatal),
         }
     }
 }
@@ -166,11 +167,30 @@ fn binary(bytes: usize) -> Fault {
     )
 }
 
-fn broken(error: &axum::Error) -> Fault {
-    Fault::new(
-        Code::Malformed,
-        error.to_string(),
-        format!("a viewer's messages are WebSocket text of at most {MOST_MESSAGE_BYTES} bytes"),
-        "attach again",
-    )
+/// What a viewer did wrong; none where it is only gone.
+fn broken(error: axum::Error) -> Option<Fault> {
+    use tungstenite::Error::{AlreadyClosed, ConnectionClosed, Io, Protocol};
+    let said = error.to_string();
+    let inner = error.into_inner();
+    let gone = matches!(
+        inner.downcast_ref(),
+        Some(Io(_) | ConnectionClosed | AlreadyClosed | Protocol(ProtocolError::ResetWithoutClosingHandshake))
+    );
+    let rule = format!("a viewer's messages are WebSocket text of at most {MOST_MESSAGE_BYTES} bytes");
+    (!gone).then(|| Fault::new(Code::Malformed, said, rule, "attach again"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_is_gone_did_nothing_wrong() {
+        let of = |error: tungstenite::Error| broken(axum::Error::new(error));
+        let reset = std::io::Error::from(std::io::ErrorKind::ConnectionReset);
+        assert_eq!(of(tungstenite::Error::Io(reset)), None);
+        assert_eq!(of(ProtocolError::ResetWithoutClosingHandshake.into()), None);
+        let fault = of(ProtocolError::UnmaskedFrameFromClient.into()).unwrap();
+        assert!(fault.code == Code::Malformed && !fault.what.is_empty(), "{fault}");
+    }
 }
