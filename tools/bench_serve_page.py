@@ -53,8 +53,7 @@ def churn(found):
 
 PEERS = ["## Peers", "",
          "No peer serves terrain to several viewers from one resident set in a form that could be measured here in the same run. "
-         "UNIGINE's manual says that memory consumption increases significantly when several viewports are used; rerun's viewers "
-         "each hold the data they show."]
+         "UNIGINE's manual says that memory consumption increases significantly when several viewports are used."]
 
 
 def markdown(report):
