@@ -5,13 +5,16 @@ use std::path::Path;
 use relief_front::error::ToolError;
 use relief_runtime::frame::RenderError;
 use relief_runtime::gpu::DeviceError;
-use relief_runtime::planet::{OpenError, Planet};
+use relief_runtime::planet::{CACHE_BYTES, OpenError, Planet};
 use relief_runtime::sun::SunError;
 use relief_runtime::view::ViewError;
 
+use crate::truncated;
+
 /// Opens a file, or says why not.
 pub fn open(path: &Path) -> Result<std::sync::Arc<Planet>, ToolError> {
-    Planet::open(path).map_err(opened(path))
+    let relief = truncated::open(path).map_err(ToolError::of_file(path))?;
+    Planet::new(relief, CACHE_BYTES).map_err(opened(path))
 }
 
 /// A file that cannot be opened as a planet.

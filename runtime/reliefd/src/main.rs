@@ -10,6 +10,11 @@ mod probe;
 mod render;
 mod report;
 mod serve;
+#[cfg(target_os = "linux")]
+mod truncated;
+#[cfg(not(target_os = "linux"))]
+#[path = "truncated/elsewhere.rs"]
+mod truncated;
 mod typed;
 mod view_args;
 

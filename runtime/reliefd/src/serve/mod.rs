@@ -21,11 +21,6 @@ mod planets;
 mod session;
 mod stop;
 mod token;
-#[cfg(target_os = "linux")]
-mod truncated;
-#[cfg(not(target_os = "linux"))]
-#[path = "truncated/elsewhere.rs"]
-mod truncated;
 mod watch;
 
 use std::net::TcpListener;

@@ -11,9 +11,9 @@ use super::cannot;
 use super::engine::{Engine, Limits, StartError};
 use super::hub::{Hub, Served};
 use super::meters::Meters;
-use super::truncated;
 use crate::backend::Backend;
 use crate::errors::{of_render, opened};
+use crate::truncated;
 
 /// Opens all files.
 ///

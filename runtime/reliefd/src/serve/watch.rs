@@ -16,7 +16,8 @@ use tokio::time::MissedTickBehavior;
 
 use super::hub::{Hub, Served};
 use super::patience::patience;
-use super::truncated;
+
+use crate::truncated;
 
 /// Watches all files, for as long as the daemon runs.
 pub async fn watch(hub: Arc<Hub>) {

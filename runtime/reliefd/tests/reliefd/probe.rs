@@ -56,6 +56,41 @@ fn heights_are_those_of_the_surface() {
     }
 }
 
+/// What was cut off is missed, by a message: reading it would raise SIGBUS.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_that_is_cut_while_it_is_read_ends_no_program() {
+    use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+    use std::process::{Command, Stdio};
+
+    let folder = Folder::new();
+    let file = folder.sample("globe.relief", &Sample::new(Body::earth(), 11));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_reliefd"))
+        .args(["probe", "--backend", "cpu"])
+        .args([file.as_os_str(), "-".as_ref()])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let (mut questions, mut answers) = (child.stdin.take().unwrap(), BufReader::new(child.stdout.take().unwrap()));
+    let mut line = String::new();
+    questions.write_all(b"10 20\n").unwrap();
+    answers.read_line(&mut line).unwrap();
+    assert!(line.contains("height_m"), "{line}");
+    let bytes = std::fs::metadata(&file).unwrap().len();
+    std::fs::File::options().write(true).open(&file).unwrap().set_len(bytes / 4).unwrap();
+    // Finer tiles lie behind the coarser ones, so some of these are gone.
+    for lon in (-180..180).step_by(15) {
+        questions.write_all(format!("{lon} 85\n{lon} 45\n{lon} -45\n").as_bytes()).unwrap();
+    }
+    drop(questions);
+    let mut said = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(2), "{said}");
+    assert!(said.contains("remedy"), "{said}");
+}
+
 #[test]
 fn bad_lines_are_answered_in_their_place() {
     let folder = Folder::new();

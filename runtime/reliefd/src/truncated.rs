@@ -1,5 +1,5 @@
 //! Files that are cut while they are mapped. Reading beyond the new end raises SIGBUS, and its default
-//! ends the process with all its viewers. Here zeros take the place of what was cut, so that checksums
+//! ends the process, a daemon with all its viewers. Here zeros take the place of what was cut, so that checksums
 //! tell of the damage and coarser tiles stand in.
 
 use std::fs::File;
@@ -36,7 +36,7 @@ pub fn open(path: &Path) -> Result<Relief, FormatError> {
     Relief::open_guarded(path, |bytes, file| {
         let guard = install().then(|| Guard::new(bytes, file)).flatten();
         if guard.is_none() {
-            tracing::warn!(path = %path.display(), "not guarded: if this file is cut while it is served, the daemon ends");
+            tracing::warn!(path = %path.display(), "not guarded: if this file is cut while it is read, the program ends");
         }
         guard
     })
@@ -201,7 +201,7 @@ mod tests {
     fn a_fault_elsewhere_ends_the_process_as_ever() {
         const CHILD: &str = "RELIEFD_TEST_UNGUARDED";
         if std::env::var_os(CHILD).is_none() {
-            let name = "serve::truncated::tests::a_fault_elsewhere_ends_the_process_as_ever";
+            let name = "truncated::tests::a_fault_elsewhere_ends_the_process_as_ever";
             let mut child = std::process::Command::new(std::env::current_exe().unwrap());
             let status = child.args([name, "--exact", "--nocapture"]).env(CHILD, "1").output().unwrap().status;
             assert_eq!(status.signal(), Some(libc::SIGBUS), "{status:?}");
