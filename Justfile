@@ -17,7 +17,7 @@ setup:
 build:
     cargo build --release --locked --workspace
 
-# Bake, validate and picture the Earth: just demo --out DIR
+# Bake, validate, picture and serve the Earth: just demo --out DIR
 demo *arguments:
     bash tools/demo.sh {{ arguments }}
 
