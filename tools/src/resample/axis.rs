@@ -25,6 +25,8 @@ pub(crate) struct Axis {
     pub step_deg: f64,
     /// Samples in a full circle, where the raster has them all.
     pub period: Option<usize>,
+    /// Sample coordinates in a full circle: the period, or as near to it as the georeference says.
+    pub turn: f64,
     pub low: End,
     pub high: End,
     /// Sample coordinates between which the raster says anything.
@@ -37,12 +39,21 @@ const SLACK: f64 = 1e-6;
 impl Axis {
     /// Longitudes: wraps if the samples make up a full circle to within a hundredth of a sample.
     pub fn longitude(n: usize, first_deg: f64, step_deg: f64, extent: [f64; 2]) -> Self {
+        let given = Self::meridians(n, first_deg, step_deg, extent);
+        match given.period {
+            Some(whole) => Self { step_deg: (360.0 / whole as f64).copysign(step_deg), turn: whole as f64, ..given },
+            None => given,
+        }
+    }
+
+    /// As [`Axis::longitude`], but every sample stays where the step puts it, and the seam takes
+    /// what is left of the circle.
+    pub fn meridians(n: usize, first_deg: f64, step_deg: f64, extent: [f64; 2]) -> Self {
         let turn = 360.0 / step_deg.abs();
         let whole = turn.round();
         let period = (turn - whole).abs() < 0.01 && n as f64 >= whole && whole >= 2.0;
-        let step_deg = if period { (360.0 / whole).copysign(step_deg) } else { step_deg };
         let period = period.then_some(whole as usize);
-        Self { n, first_deg, step_deg, period, low: End::Clamp, high: End::Clamp, extent }
+        Self { n, first_deg, step_deg, period, turn, low: End::Clamp, high: End::Clamp, extent }
     }
 
     /// Latitudes: reflects at a pole the raster reaches, if its columns go all round (`global`).
@@ -57,22 +68,22 @@ impl Axis {
         };
         let last = n as f64 - 1.0;
         let (low, high) = (end(0.0, -0.5), end(last, last + 0.5));
-        Self { n, first_deg, step_deg, period: None, low, high, extent }
+        Self { n, first_deg, step_deg, period: None, turn: 0.0, low, high, extent }
     }
 
     /// Pixel-corner coordinates of a raster without known directions.
     pub fn pixels(n: usize) -> Self {
         let extent = [-0.5, n as f64 - 0.5];
-        Self { n, first_deg: 0.5, step_deg: 1.0, period: None, low: End::Clamp, high: End::Clamp, extent }
+        Self { n, first_deg: 0.5, step_deg: 1.0, period: None, turn: 0.0, low: End::Clamp, high: End::Clamp, extent }
     }
 
     /// Sample coordinate of an angle; none outside the raster.
     pub fn position(&self, angle_deg: f64) -> Option<f64> {
-        if let Some(period) = self.period {
+        if self.period.is_some() {
             // First sample up to the position that repeats it.
             let u = snap((angle_deg - self.first_deg) / self.step_deg);
-            let wrapped = u.rem_euclid(period as f64);
-            return Some(if wrapped >= period as f64 { 0.0 } else { wrapped });
+            let wrapped = u.rem_euclid(self.turn);
+            return Some(if wrapped >= self.turn { 0.0 } else { wrapped });
         }
         let [from, to] = self.extent;
         let u = snap((angle_deg - self.first_deg) / self.step_deg);

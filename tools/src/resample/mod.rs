@@ -6,6 +6,7 @@
 
 pub(crate) mod axis;
 mod coverage;
+pub(crate) mod cylindrical;
 pub(crate) mod kernel;
 pub(crate) mod lattice;
 pub(crate) mod projection;

@@ -1,4 +1,5 @@
-//! Sampling of lon/lat rasters: taps per column and per row, then whole rows at a time.
+//! Sampling where columns are meridians and rows parallels: taps per column and per row, then
+//! whole rows at a time.
 
 use super::axis::Axis;
 use super::kernel::Kernel;
@@ -8,17 +9,34 @@ use relief_front::error::ToolError;
 /// Most pixels copied out of a raster at a time.
 const PATCH_PIXELS: usize = 1 << 21;
 
-/// A lon/lat raster's pixels, axes and kernels.
+/// Taps of rows whose kernels differ, at least: so many go through the loop that leaves out taps
+/// without weight, and a row's sum does not depend on the kernels of the rows around it.
+const MIXED_TAPS: usize = 5;
+
+/// A raster's pixels and axes.
 pub(crate) struct Separable<'a> {
     pub raster: &'a Raster,
     pub columns: &'a Axis,
     pub rows: &'a Axis,
-    pub kernels: (Kernel, Kernel),
+    /// Whether kernels may differ from row to row.
+    pub mixed_rows: bool,
+}
+
+/// What one position on an axis is made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Position {
+    /// Sample coordinate of the position itself: its pixel decides whether it is void.
+    pub at: f64,
+    /// Sample coordinate in the middle of the kernel.
+    pub centre: f64,
+    pub kernel: Kernel,
 }
 
 /// The taps of a list of positions on one axis.
 struct Taps {
-    kernel: Kernel,
+    /// Taps of each position, and of its fallback.
+    many: usize,
+    few: usize,
     /// For each tap list: kernel's first tap, fallback's first tap, the containing pixel.
     starts: Vec<[i64; 3]>,
     weights: Vec<f64>,
@@ -27,24 +45,32 @@ struct Taps {
     slots: Vec<Option<u32>>,
 }
 
+impl Position {
+    /// A position in the middle of its kernel.
+    pub fn new(u: f64, kernel: Kernel) -> Self {
+        Self { at: u, centre: u, kernel }
+    }
+}
+
 impl Taps {
-    fn new(axis: &Axis, kernel: Kernel, positions: impl Iterator<Item = Option<f64>>) -> Self {
-        let (many, few) = (kernel.taps(), kernel.fallback().taps());
-        let mut taps =
-            Self { kernel, starts: Vec::new(), weights: Vec::new(), fallback: Vec::new(), slots: Vec::new() };
+    fn new(axis: &Axis, positions: &[Option<Position>], least: usize) -> Self {
+        let most = |taps: fn(Kernel) -> usize| positions.iter().flatten().map(|p| taps(p.kernel)).max().unwrap_or(1);
+        let (many, few) = (most(Kernel::taps).max(least), most(|kernel| kernel.fallback().taps()));
+        let count = positions.iter().flatten().count();
+        let (mut weights, mut fallback) = (vec![0.0; count * many], vec![0.0; count * few]);
+        let mut starts = Vec::with_capacity(count);
+        let mut slots = Vec::with_capacity(positions.len());
         for position in positions {
-            taps.slots.push(position.map(|u| {
-                let slot = taps.starts.len();
-                let starts = [kernel.start(axis, u), kernel.fallback().start(axis, u), axis.home(u)];
-                taps.starts.push(starts);
-                taps.weights.resize((slot + 1) * many, 0.0);
-                kernel.weigh(axis, u, &mut taps.weights[slot * many..]);
-                taps.fallback.resize((slot + 1) * few, 0.0);
-                kernel.fallback().weigh(axis, u, &mut taps.fallback[slot * few..]);
+            slots.push(position.map(|Position { at, centre, kernel }| {
+                let slot = starts.len();
+                let spare = kernel.fallback();
+                starts.push([kernel.start(axis, centre), spare.start(axis, centre), axis.home(at)]);
+                kernel.weigh(axis, centre, &mut weights[slot * many..][..kernel.taps()]);
+                spare.weigh(axis, centre, &mut fallback[slot * few..][..spare.taps()]);
                 slot as u32
             }));
         }
-        taps
+        Self { many, few, starts, weights, fallback, slots }
     }
 
     fn slots_in(&self, range: std::ops::Range<usize>) -> Vec<(usize, usize)> {
@@ -53,7 +79,7 @@ impl Taps {
 
     /// All sample indices that the positions `used` touch, ascending.
     fn touched(&self, used: &[(usize, usize)]) -> Vec<i64> {
-        let many = self.kernel.taps() as i64;
+        let many = self.many as i64;
         let mut touched: Vec<i64> = Vec::with_capacity(used.len() * 2);
         let mut stretches: Vec<i64> = used.iter().map(|&(_, slot)| self.starts[slot][0]).collect();
         stretches.sort_unstable();
@@ -66,21 +92,20 @@ impl Taps {
 }
 
 impl Separable<'_> {
-    /// Heights at every combination of `lats` and `lons` (sample coordinates, none outside), row
-    /// by row into `heights`: metres, NaN where void.
+    /// Heights at every combination of `vs` and `us` (none outside the raster), row by row into
+    /// `heights_m`: metres, NaN where void.
     ///
     /// # Errors
     /// Those of reading the raster.
     pub fn sample(
         &self,
-        us: impl Iterator<Item = Option<f64>>,
-        vs: impl Iterator<Item = Option<f64>>,
+        us: &[Option<Position>],
+        vs: &[Option<Position>],
         heights_m: &mut [f64],
     ) -> Result<(), ToolError> {
-        let columns = Taps::new(self.columns, self.kernels.0, us);
-        let rows = Taps::new(self.rows, self.kernels.1, vs);
-        let whole = (0..columns.slots.len(), 0..rows.slots.len());
-        self.sample_part(&columns, &rows, whole.0, whole.1, heights_m)
+        let columns = Taps::new(self.columns, us, 1);
+        let rows = Taps::new(self.rows, vs, if self.mixed_rows { MIXED_TAPS } else { 1 });
+        self.sample_part(&columns, &rows, 0..us.len(), 0..vs.len(), heights_m)
     }
 
     fn sample_part(
@@ -124,15 +149,15 @@ impl Separable<'_> {
         let mut line = vec![0.0; xs.len()];
         // Positions inside the raster usually are one stretch: then their weights are, too.
         let weights: Vec<f64> = {
-            let many = columns.kernel.taps();
+            let many = columns.many;
             xs.iter().flat_map(|&(_, slot)| &columns.weights[slot * many..][..many]).copied().collect()
         };
         let starts: Vec<u32> = at_x.iter().map(|begin| begin[0] as u32).collect();
         for &(y, row_slot) in &ys {
             let at_y = begin(&touched_y, rows.starts[row_slot]);
-            let many = rows.kernel.taps();
+            let many = rows.many;
             mix_rows(&patch.pixels[at_y[0] * patch.nx..], &rows.weights[row_slot * many..][..many], &mut mixed);
-            match columns.kernel.taps() {
+            match columns.many {
                 1 => mix_columns::<1>(&mixed, &starts, &weights, &mut line),
                 2 => mix_columns::<2>(&mixed, &starts, &weights, &mut line),
                 4 => mix_columns::<4>(&mixed, &starts, &weights, &mut line),
@@ -152,8 +177,7 @@ impl Separable<'_> {
 }
 
 fn fallback(taps: &Taps, slot: usize) -> &[f64] {
-    let few = taps.kernel.fallback().taps();
-    &taps.fallback[slot * few..][..few]
+    &taps.fallback[slot * taps.few..][..taps.few]
 }
 
 /// Height where a tap is void: none if the containing pixel is, else the fallback kernel over

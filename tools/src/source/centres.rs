@@ -4,6 +4,7 @@ use relief_formats::body::Body;
 
 use super::geoid::Reference;
 use super::{Mapping, SourceSet};
+use crate::resample::cylindrical::Rows;
 use relief_front::error::ToolError;
 
 /// One measured sample of a source.
@@ -37,12 +38,12 @@ impl SourceSet {
         let patch = source.raster.gather(&rows, &columns, None)?;
         let pixels = rows.iter().flat_map(|&(row, _)| columns.iter().map(move |&column| (column, row)));
         let places: Vec<Option<[f64; 2]>> = match &source.mapping {
-            Mapping::LonLat { columns, rows } => pixels
+            Mapping::LonLat { columns, rows: Rows::Even(rows) } => pixels
                 .map(|(c, r)| {
                     Some([columns.first_deg + c as f64 * columns.step_deg, rows.first_deg + r as f64 * rows.step_deg])
                 })
                 .collect(),
-            Mapping::Projected(projection) => {
+            Mapping::Projected(projection) | Mapping::LonLat { rows: Rows::Uneven { along: projection, .. }, .. } => {
                 projection.lon_lats(&pixels.map(|(c, r)| [c as f64 + 0.5, r as f64 + 0.5]).collect::<Vec<_>>())?
             }
             Mapping::Plane(place) => {

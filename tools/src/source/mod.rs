@@ -8,6 +8,7 @@ mod gdal_reader;
 mod geoid;
 mod georef;
 mod heights;
+mod lon_lat;
 mod open;
 mod options;
 mod place;
@@ -31,6 +32,7 @@ pub use options::{BodyChoice, Fill, Registration, Resample, SourceOptions, Unit,
 pub use record::SourceRecord;
 
 use crate::resample::axis::Axis;
+use crate::resample::cylindrical::Rows;
 use crate::resample::projection::Projection;
 use relief_front::error::ToolError;
 
@@ -90,7 +92,11 @@ struct Source {
 
 /// How a node's place becomes a place among pixels.
 enum Mapping {
-    LonLat { columns: Axis, rows: Axis },
+    /// Columns are meridians, rows parallels.
+    LonLat {
+        columns: Axis,
+        rows: Rows,
+    },
     Projected(Box<Projection>),
     Plane(plane::PlanePlace),
 }

@@ -7,6 +7,7 @@ use super::georef::Georef;
 use super::options::SourceOptions;
 use super::quiet;
 use crate::resample::axis::Axis;
+use crate::resample::cylindrical::{Rows, straighten};
 use crate::resample::projection::{Projection, coincide, geographic_part};
 use relief_front::error::ToolError;
 
@@ -54,11 +55,16 @@ pub(super) fn on_globe(
     if geographic && systems.is_none() && georef.axis_aligned() {
         let (columns, rows) = lon_lat_axes(size, georef);
         let spacing_deg = columns.step_deg.abs().min(rows.step_deg.abs());
-        return Ok((Mapping::LonLat { columns, rows }, spacing_deg));
+        return Ok((Mapping::LonLat { columns, rows: Rows::Even(rows) }, spacing_deg));
     }
     let projection = Projection::new(path, size, transform, systems, geographic)?;
     let spacing_deg = projection.spacing_deg;
-    Ok((Mapping::Projected(Box::new(projection)), spacing_deg))
+    let straight = if georef.axis_aligned() { straighten(projection, size)? } else { Err(projection) };
+    let mapping = match straight {
+        Ok((columns, rows)) => Mapping::LonLat { columns, rows },
+        Err(projection) => Mapping::Projected(Box::new(projection)),
+    };
+    Ok((mapping, spacing_deg))
 }
 
 /// The axes of a raster whose columns are meridians and whose rows are parallels.

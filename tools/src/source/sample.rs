@@ -4,16 +4,15 @@ use relief_formats::grid::Grid;
 
 use super::fill::pull_push;
 use super::geoid::Reference;
+use super::lon_lat::{self, Request};
 use super::open::no_coarser;
 use super::options::{Fill, Resample, SourceOptions};
 use super::raster::Raster;
 use super::{DATA, FILLED, HeightBlock, Mapping, NodeWindow, Source, VOID};
-use crate::resample::axis::Axis;
 use crate::resample::kernel::Kernel;
 use crate::resample::lattice::{Lattice, Positions};
-use crate::resample::projection::{Bounds, Projection};
+use crate::resample::projection::Projection;
 use crate::resample::scattered::Scattered;
-use crate::resample::separable::Separable;
 use relief_front::error::ToolError;
 
 impl Source {
@@ -28,7 +27,7 @@ impl Source {
     /// See [`super::SourceSet::covers`].
     pub(super) fn covers(&self, grid: &Grid, window: &NodeWindow) -> bool {
         let bounds = match &self.mapping {
-            Mapping::LonLat { columns, rows } => lon_lat_bounds(columns, rows),
+            Mapping::LonLat { columns, rows } => lon_lat::bounds(columns, rows),
             Mapping::Projected(projection) => projection.bounds,
             Mapping::Plane(place) => return place.covers(&self.raster, grid, window),
         };
@@ -46,7 +45,7 @@ impl Source {
 
     /// The kernel for samples `step_deg` apart: chosen by the finest nodes this source is sampled
     /// at, so that a node's height is the same at every level.
-    fn kernel(&self, resample: Resample, grid: &Grid, step_deg: f64) -> Kernel {
+    pub(super) fn kernel(&self, resample: Resample, grid: &Grid, step_deg: f64) -> Kernel {
         let mean = || Kernel::Box { width: grid.spacing_deg(self.finest_level(grid)) / step_deg.abs() };
         match resample {
             Resample::Nearest => Kernel::Nearest,
@@ -99,7 +98,7 @@ impl Source {
         let mut heights_m = vec![f64::NAN; window.nx * window.ny];
         match &self.mapping {
             Mapping::LonLat { columns, rows } => {
-                self.lon_lat(raster, (columns, rows), resample, grid, window, &mut heights_m)?;
+                self.lon_lat(&Request { raster, resample, grid, window }, columns, rows, &mut heights_m)?;
             }
             Mapping::Projected(projection) => {
                 self.projected(raster, projection, resample, grid, window, &mut heights_m)?;
@@ -107,45 +106,6 @@ impl Source {
             Mapping::Plane(_) => {}
         }
         Ok(heights_m)
-    }
-
-    fn lon_lat(
-        &self,
-        raster: &Raster,
-        (columns, rows): (&Axis, &Axis),
-        resample: Resample,
-        grid: &Grid,
-        window: &NodeWindow,
-        heights_m: &mut [f64],
-    ) -> Result<(), ToolError> {
-        let kernels = (self.kernel(resample, grid, columns.step_deg), self.kernel(resample, grid, rows.step_deg));
-        let separable = Separable { raster, columns, rows, kernels };
-        let us = (0..window.nx as i64).map(|i| columns.longitude_position(lon_deg(grid, window.level, window.x0 + i)));
-        let lat = |j: usize| grid.lat_deg(window.level, window.y0 + j as i64);
-        // Pole rows are set apart: one height each.
-        let vs = (0..window.ny).map(|j| (lat(j).abs() < 90.0).then(|| rows.position(lat(j))).flatten());
-        separable.sample(us, vs, heights_m)?;
-        for j in (0..window.ny).filter(|j| lat(*j).abs() >= 90.0) {
-            let Some(v) = rows.position(lat(j)) else {
-                continue;
-            };
-            let row = rows.stored(rows.home(v));
-            let mean_m = match std::ptr::eq(raster, &self.raster) {
-                false => row_mean_m(raster, row, columns)?,
-                true => {
-                    let kept = &self.poles[usize::from(lat(j) > 0.0)];
-                    match kept.get() {
-                        Some(mean_m) => *mean_m,
-                        None => {
-                            let mean_m = row_mean_m(raster, row, columns)?;
-                            *kept.get_or_init(|| mean_m)
-                        }
-                    }
-                }
-            };
-            heights_m[j * window.nx..][..window.nx].fill(mean_m);
-        }
-        Ok(())
     }
 
     fn projected(
@@ -211,22 +171,6 @@ impl Source {
         // A thread that comes second waits here for the first.
         Ok(self.filled.get_or_init(|| Raster::ready(&self.raster.path, (nx, ny), pull_push(&whole, nx, wraps))))
     }
-}
-
-/// Where a lon/lat raster has samples.
-fn lon_lat_bounds(columns: &Axis, rows: &Axis) -> Bounds {
-    let ([west_deg, east_deg], [south_deg, north_deg]) = (columns.range_deg(), rows.range_deg());
-    let span_deg = if columns.period.is_some() { 360.0 } else { east_deg - west_deg };
-    Bounds { west_deg, span_deg, south_deg, north_deg }
-}
-
-/// The mean of a row, each meridian once; NaN where all of it is void.
-fn row_mean_m(raster: &Raster, row: (usize, bool), columns: &Axis) -> Result<f64, ToolError> {
-    let all: Vec<_> = (0..columns.period.unwrap_or(columns.n)).collect();
-    let row = raster.gather(&[row], &all, None)?;
-    let valid = || row.pixels.iter().filter(|height| !height.is_nan());
-    // Without data 0 / 0 is the NaN that says so.
-    Ok(valid().map(|height| f64::from(*height)).sum::<f64>() / valid().count() as f64)
 }
 
 /// Longitude of a node column, wrapped to [-180, 180).
