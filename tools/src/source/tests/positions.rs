@@ -7,7 +7,7 @@ use crate::resample::projection::geographic_part;
 use crate::source::crs::traditional;
 
 /// Smooth on the whole sphere, poles included.
-fn sine(lon_deg: f64, lat_deg: f64) -> f64 {
+pub(super) fn sine(lon_deg: f64, lat_deg: f64) -> f64 {
     1000.0 * lat_deg.to_radians().cos().powi(2) * (2.0 * lon_deg).to_radians().cos()
         + 300.0 * lat_deg.to_radians().sin()
 }
@@ -55,7 +55,7 @@ fn registrations_and_directions_agree_with_the_field() {
 }
 
 /// Heights of a field at the pixels of a raster in any CRS, through PROJ.
-fn field_in(crs: &str, transform: [f64; 6]) -> impl Fn(usize, usize) -> f32 {
+pub(super) fn field_in(crs: &str, transform: [f64; 6]) -> impl Fn(usize, usize) -> f32 {
     let nodes = traditional(&geographic_part(crs).unwrap()).unwrap();
     let change = gdal::spatial_ref::CoordTransform::new(&traditional(crs).unwrap(), &nodes).unwrap();
     move |c, r| {
@@ -193,7 +193,7 @@ fn projected_rasters_agree_with_the_field() {
 }
 
 /// A node's height is the same bits at every level and in every window.
-fn check_consistency(set: &SourceSet, grid: &Grid, windows: &[NodeWindow]) {
+pub(super) fn check_consistency(set: &SourceSet, grid: &Grid, windows: &[NodeWindow]) {
     for window in windows {
         let block = set.sample(0, grid, window).unwrap();
         for j in 0..window.ny {
@@ -216,7 +216,7 @@ fn check_consistency(set: &SourceSet, grid: &Grid, windows: &[NodeWindow]) {
 }
 
 /// Windows that hold seams, poles and the middle of the case.
-fn hard_windows(grid: &Grid, level: u32, lon_deg: f64, lat_deg: f64) -> Vec<NodeWindow> {
+pub(super) fn hard_windows(grid: &Grid, level: u32, lon_deg: f64, lat_deg: f64) -> Vec<NodeWindow> {
     let (w, h) = (f64::from(grid.width(level)), i64::from(grid.height(level)));
     let (x, y) = (((lon_deg + 180.0) / 360.0 * w) as i64, ((lat_deg + 90.0) / 180.0 * h as f64) as i64);
     let y = y.clamp(0, h - 8);
