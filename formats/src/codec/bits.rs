@@ -5,8 +5,12 @@ use super::CodecError;
 /// Appends up to 32 bits at a time.
 #[derive(Default)]
 pub struct BitWriter {
+    /// The stream so far, and room for more.
     bytes: Vec<u8>,
+    /// Whole bytes of it.
+    used: usize,
     pending: u64,
+    /// Bits of `pending`, fewer than 8.
     count: u32,
 }
 
@@ -14,20 +18,25 @@ impl BitWriter {
     /// Appends the low `n` bits of `value` (n <= 32, the other bits zero).
     #[inline]
     pub fn put(&mut self, value: u32, n: u32) {
-        self.pending |= u64::from(value) << self.count;
-        self.count += n;
-        if self.count >= 32 {
-            self.bytes.extend_from_slice(&(self.pending as u32).to_le_bytes());
-            self.pending >>= 32;
-            self.count -= 32;
+        if self.bytes.len() < self.used + 8 {
+            self.bytes.resize((2 * self.used).max(1 << 12), 0);
         }
+        // All of it is stored every time: whether a byte is full is beyond a branch predictor.
+        self.pending |= u64::from(value) << self.count;
+        self.bytes[self.used..self.used + 8].copy_from_slice(&self.pending.to_le_bytes());
+        let bits = self.count + n;
+        self.used += (bits / 8) as usize;
+        self.pending >>= bits & !7;
+        self.count = bits & 7;
     }
 
     /// Pads the last byte with zeros and returns the stream.
     #[must_use]
     pub fn finish(mut self) -> Vec<u8> {
-        let tail = self.count.div_ceil(8) as usize;
-        self.bytes.extend_from_slice(&self.pending.to_le_bytes()[..tail]);
+        self.bytes.truncate(self.used);
+        if self.count > 0 {
+            self.bytes.push(self.pending as u8);
+        }
         self.bytes
     }
 }

@@ -7,6 +7,7 @@
 //! codes are right but in the two outermost rows and columns.
 
 use super::CodecError;
+use super::frame::compress;
 use super::nodes::HALF;
 use crate::derive::local_deviation;
 use crate::tile::TILE_NODES;
@@ -58,9 +59,7 @@ fn write_groups(plane: &mut Vec<u8>, values: &[u8], groups: &[u8]) {
         frames[group as usize].push(*value);
     }
     for frame in &mut frames {
-        // Compressing into memory cannot fail.
-        *frame =
-            if frame.iter().all(|&v| v == 0) { Vec::new() } else { zstd::bulk::compress(frame, 3).unwrap_or_default() };
+        *frame = if frame.iter().all(|&v| v == 0) { Vec::new() } else { compress(frame) };
         plane.extend_from_slice(&(frame.len() as u32).to_le_bytes()[..3]);
     }
     frames.iter().for_each(|frame| plane.extend_from_slice(frame));

@@ -1,6 +1,6 @@
 //! The plane `filled`: one bit for each of a tile's 257 x 257 nodes, lowest bit first.
 
-use super::CodecError;
+use super::{CodecError, frame};
 use crate::tile::TILE_NODES;
 
 /// Bytes of the packed bits.
@@ -20,7 +20,7 @@ pub fn encode(filled: &[bool]) -> Vec<u8> {
     } else if !filled.contains(&false) {
         vec![1]
     } else {
-        zstd::bulk::compress(&pack(filled), 3).unwrap_or_default()
+        frame::compress(&pack(filled))
     }
 }
 

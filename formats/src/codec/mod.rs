@@ -8,6 +8,7 @@ pub mod bytes;
 pub mod constraint;
 pub mod deviation;
 pub mod filled;
+mod frame;
 pub mod hext;
 pub mod lifting;
 pub mod mip;

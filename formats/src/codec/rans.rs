@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use super::CodecError;
 use super::tables::FREQUENCIES;
-use super::token::{TABLES, TOKENS};
+use super::token::TABLES;
 
 /// Bits of a frequency: the frequencies of a table sum to 2^11.
 pub const SCALE_BITS: u32 = 11;
@@ -30,20 +30,45 @@ static DECODE: LazyLock<Vec<u32>> = LazyLock::new(|| {
     slots
 });
 
-/// Per table and token: start of the range in the high half, frequency in the low half.
-static ENCODE: LazyLock<Vec<[u32; TOKENS]>> = LazyLock::new(|| {
+/// What encodes each token of a table: start of the range in the high half, frequency in the low
+/// half; 64 entries, so that an index of six bits needs no check.
+pub type Symbols = [u32; 64];
+
+static ENCODE: LazyLock<Vec<Symbols>> = LazyLock::new(|| {
     FREQUENCIES
         .iter()
         .map(|table| {
             let mut start = 0;
-            std::array::from_fn(|token| {
-                let entry = start << 16 | u32::from(table[token]);
-                start += u32::from(table[token]);
-                entry
-            })
+            let mut symbols = [0; 64];
+            for (symbol, &frequency) in symbols.iter_mut().zip(table) {
+                *symbol = start << 16 | u32::from(frequency);
+                start += u32::from(frequency);
+            }
+            symbols
         })
         .collect()
 });
+
+/// Bits behind the point of [`RECIPROCALS`].
+const RECIPROCAL_BITS: u32 = 43;
+
+/// 1 / frequency, rounded up: x / f = x RECIPROCALS\[f\] >> 43 for every x < f 2^21 that a state
+/// has before a symbol (Granlund and Montgomery 1994): the error is at most x 2^-43 < 1 / f, and
+/// the product stays below 2^64.
+static RECIPROCALS: [u64; 1 << 12] = {
+    let mut reciprocals = [0; 1 << 12];
+    let mut frequency = 1;
+    while frequency <= SLOTS {
+        reciprocals[frequency] = (1_u64 << RECIPROCAL_BITS).div_ceil(frequency as u64);
+        frequency += 1;
+    }
+    reciprocals
+};
+
+/// What encodes the tokens of a table.
+pub fn symbols(table: usize) -> &'static Symbols {
+    &ENCODE[table]
+}
 
 /// Collects the symbols of a plane, class by class.
 #[derive(Default)]
@@ -53,23 +78,20 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// Starts a class: its first symbol belongs to state 0.
-    pub fn start_class(&mut self, symbols: usize) {
+    /// Starts a class, whose first symbol belongs to state 0; its symbols are [`symbols`] of their
+    /// tables.
+    pub fn class(&mut self, symbols: impl Iterator<Item = u32>) {
         self.classes.push(self.symbols.len());
-        self.symbols.reserve(symbols);
-    }
-
-    /// Adds a token under a table.
-    #[inline]
-    pub fn push(&mut self, table: usize, token: u8) {
-        self.symbols.push(ENCODE[table][token as usize]);
+        self.symbols.extend(symbols);
     }
 
     /// Encodes everything: four start states, then words, little-endian.
     #[must_use]
     pub fn finish(self) -> Vec<u8> {
         let mut states = [LOW; LANES];
-        let mut words = Vec::<u16>::with_capacity(self.symbols.len());
+        // One word a symbol at most; whether there is one is beyond a branch predictor.
+        let mut words = vec![0_u16; self.symbols.len()];
+        let mut count = 0;
         let mut end = self.symbols.len();
         for &begin in self.classes.iter().rev() {
             for (i, &symbol) in self.symbols[begin..end].iter().enumerate().rev() {
@@ -77,20 +99,20 @@ impl Encoder {
                 let state = &mut states[i % LANES];
                 let mut x = *state;
                 // Emit a word when the state would leave its interval; never true at full scale.
-                if u64::from(x) >= u64::from(frequency) << (32 - SCALE_BITS) {
-                    words.push(x as u16);
-                    x >>= 16;
-                }
-                let quotient = x / frequency;
+                let full = u64::from(x) >= u64::from(frequency) << (32 - SCALE_BITS);
+                words[count] = x as u16;
+                count += usize::from(full);
+                x >>= 16 * u32::from(full);
+                let quotient = ((u64::from(x) * RECIPROCALS[frequency as usize & 0xfff]) >> RECIPROCAL_BITS) as u32;
                 *state = (quotient << SCALE_BITS) + (x - quotient * frequency) + start;
             }
             end = begin;
         }
-        let mut bytes = Vec::with_capacity(4 * LANES + 2 * words.len());
+        let mut bytes = Vec::with_capacity(4 * LANES + 2 * count);
         for state in states {
             bytes.extend_from_slice(&state.to_le_bytes());
         }
-        bytes.extend(words.iter().rev().flat_map(|word| word.to_le_bytes()));
+        bytes.extend(words[..count].iter().rev().flat_map(|word| word.to_le_bytes()));
         bytes
     }
 }
@@ -172,7 +194,22 @@ pub const fn slot_base(table: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codec::token::TOKENS;
     use proptest::prelude::*;
+
+    #[test]
+    fn reciprocals_divide_every_state() {
+        for frequency in 1..=SLOTS as u64 {
+            let states = frequency << (32 - SCALE_BITS);
+            // Quotients change at multiples of the frequency: try on both sides of many of them.
+            for k in (0..=64).map(|k| (1 << (32 - SCALE_BITS)) * k / 64) {
+                for x in [(k * frequency).saturating_sub(1), k * frequency, k * frequency + 1] {
+                    let x = x.min(states - 1);
+                    assert_eq!((x * RECIPROCALS[frequency as usize]) >> RECIPROCAL_BITS, x / frequency);
+                }
+            }
+        }
+    }
 
     #[test]
     fn tables_fill_their_slots_and_know_every_token() {
@@ -188,8 +225,7 @@ mod tests {
             prop::collection::vec((0..TABLES, 0..TOKENS as u8), 0..300), 1..4)) {
             let mut encoder = Encoder::default();
             for class in &classes {
-                encoder.start_class(class.len());
-                for &(table, token) in class { encoder.push(table, token); }
+                encoder.class(class.iter().map(|&(table, token)| symbols(table)[token as usize]));
             }
             let bytes = encoder.finish();
             let mut decoder = Decoder::new(&bytes).unwrap();
@@ -206,8 +242,7 @@ mod tests {
     #[test]
     fn a_missing_word_is_noticed() {
         let mut encoder = Encoder::default();
-        encoder.start_class(100);
-        (0..100).for_each(|_| encoder.push(0, 30));
+        encoder.class([symbols(0)[30]; 100].into_iter());
         let bytes = encoder.finish();
         let mut decoder = Decoder::new(&bytes[..bytes.len() - 2]).unwrap();
         decoder.class(&[0; 100], &mut [0; 100]);

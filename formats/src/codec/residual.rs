@@ -9,7 +9,7 @@ use multiversion::multiversion;
 
 use super::CodecError;
 use super::bits::{BitReader, BitWriter};
-use super::rans::{Decoder, Encoder, slot_base};
+use super::rans::{Decoder, Encoder, slot_base, symbols};
 use super::rows::{Row, gather, put_rows, take_rows};
 use super::token::{
     ESCAPE_BITS, EVEN_SCALE, SCALES, TOKENS, low_bits, table_of, token_range, tokenize, unzigzag, zigzag,
@@ -91,13 +91,19 @@ impl PlaneWriter {
         self.header.extend([first as u8, (last - first + 1) as u8 | marked]);
         self.header.extend(&scale[first..=last]);
         put_rows(&mut self.header, rows.unwrap_or_default());
-        self.rans.start_class(residual.len());
-        for (&b, &r) in self.bucket.iter().zip(residual) {
-            let t = scale[b as usize];
-            let (token, raw, n) = tokenize(zigzag(r), t);
-            self.rans.push(table_of(t), token);
-            self.raw.put(raw, n);
+        // 64 entries, so that the index needs no check; buckets end at 47.
+        let mut low = [0; 64];
+        let mut tables = [symbols(0); 64];
+        for (b, &t) in scale.iter().enumerate() {
+            (low[b], tables[b]) = (low_bits(t), symbols(table_of(t)));
         }
+        let raws = &mut self.raw;
+        self.rans.class(self.bucket.iter().zip(residual).map(|(&b, &r)| {
+            let b = usize::from(b & 63);
+            let (token, raw, n) = tokenize(zigzag(r), low[b]);
+            raws.put(raw, n);
+            tables[b][usize::from(token & 63)]
+        }));
     }
 
     /// The plane's bytes: header length u16, word bytes u32, header, words, raw bits.

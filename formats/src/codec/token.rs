@@ -67,18 +67,31 @@ pub const fn token_range(token: u8) -> (u32, u32) {
     }
 }
 
-/// Token of a zigzagged residual under scale t, its raw bits and their number.
+/// Token of every quotient below 512, and its raw bits.
+static QUOTIENTS: [(u8, u8); 512] = {
+    let mut quotients = [(0, 0); 512];
+    let mut token = 0;
+    while token < ESCAPE {
+        let (base, bits) = token_range(token);
+        let mut u = base;
+        while u < base + (1 << bits) {
+            quotients[u as usize] = (token, bits as u8);
+            u += 1;
+        }
+        token += 1;
+    }
+    quotients
+};
+
+/// Token of a zigzagged residual with `low` raw low bits, all its raw bits and their number.
 #[inline]
 #[must_use]
-pub fn tokenize(z: u32, t: u8) -> (u8, u32, u32) {
-    let k = low_bits(t);
-    let u = z >> k;
-    if u < 16 {
-        (u as u8, z & ((1 << k) - 1), k)
-    } else if u < 512 {
-        let exponent = u.ilog2();
-        let n = exponent - 2;
-        (((exponent - 4) * 4 + 16 + ((u >> n) & 3)) as u8, z & ((1 << (n + k)) - 1), n + k)
+pub fn tokenize(z: u32, low: u32) -> (u8, u32, u32) {
+    let u = z >> low;
+    if u < 512 {
+        let (token, bits) = QUOTIENTS[u as usize];
+        let n = u32::from(bits) + low;
+        (token, z & ((1 << n) - 1), n)
     } else {
         (ESCAPE, z, ESCAPE_BITS)
     }
@@ -97,7 +110,7 @@ mod tests {
         }
         assert_eq!(tokenize(511, 0).0, ESCAPE - 1);
         assert_eq!(tokenize(512, 0), (ESCAPE, 512, ESCAPE_BITS));
-        assert_eq!(tokenize((511 << 5) + 31, 26).0, ESCAPE - 1);
+        assert_eq!(tokenize((511 << 5) + 31, low_bits(26)).0, ESCAPE - 1);
     }
 
     #[test]
