@@ -145,26 +145,19 @@ impl<'a> Composer<'a> {
             if !(own_level || hides) || !self.sources.covers(s, grid, &request) {
                 continue;
             }
-            let block = self.sources.sample(s, grid, &request)?;
-            let inverse = (1.0 / self.plan.step_m()) as f32;
-            let places = origin.iter_mut().zip(q.data_mut().iter_mut().zip(filled.data_mut()));
-            let mut worst = 0f32;
-            for ((origin, (q, filled)), (&h, &state)) in places.zip(block.height_m.iter().zip(&block.state)) {
-                if *origin != Origin::Void || state == VOID {
-                    continue;
-                }
-                debug_assert!(state == DATA || state == FILLED);
+            let mut largest = 0_f32;
+            self.sources.visit(s, grid, &request, |row, height_m, state| {
+                let part = row * window.nx..row * window.nx + state.len();
+                let (origin, q, filled) =
+                    (&mut origin[part.clone()], &mut q.data_mut()[part.clone()], &mut filled.data_mut()[part]);
                 if own_level {
-                    worst = if h.abs() > worst.abs() { h } else { worst };
-                    // The step is a power of two, so the product is exact and rounding is the only loss.
-                    *q = (h * inverse).round_ties_even() as i32;
-                    *filled = state == FILLED;
-                    *origin = Origin::Sampled;
+                    take(height_m, state, self.plan.step_m(), (origin, q, filled), &mut largest);
                 } else {
-                    *origin = Origin::Coarser;
+                    let places = origin.iter_mut().zip(state);
+                    places.filter(|(o, s)| **o == Origin::Void && **s != VOID).for_each(|(o, _)| *o = Origin::Coarser);
                 }
-            }
-            self.plan.quantize(f64::from(worst))?;
+            })?;
+            self.plan.quantize(f64::from(largest))?;
             if !origin.contains(&Origin::Void) {
                 break;
             }
@@ -216,5 +209,78 @@ impl<'a> Composer<'a> {
     /// True when all tiles that share the node are present.
     fn inside(&self, level: u32, x: i32, y: i32) -> bool {
         [(0, 0), (-1, 0), (0, -1), (-1, -1)].iter().all(|&(dx, dy)| !self.plan.absent(level, x + dx, y + dy))
+    }
+}
+
+/// Takes a source's heights where nothing has been taken yet. `largest` becomes the one furthest
+/// from 0 that was taken.
+fn take(
+    height_m: &[f32],
+    state: &[u8],
+    step_m: f64,
+    (origin, q, filled): (&mut [Origin], &mut [i32], &mut [bool]),
+    largest: &mut f32,
+) {
+    // Added to a number below 2^31 this leaves the nearest integer, ties to even, in the low bits.
+    const INTEGERS: f64 = 6_755_399_441_055_744.0;
+    // The step is a power of two, so the product is exact and rounding is the only loss.
+    let inverse = (1.0 / step_m) as f32;
+    let steps = |h: f32| (f64::from(h * inverse) + INTEGERS).to_bits() as i32;
+    let further = |a: f32, b: f32| if b.abs() > a.abs() { b } else { a };
+    if origin.iter().all(|o| *o == Origin::Void) && state.iter().all(|s| *s == DATA) {
+        q.iter_mut().zip(height_m).for_each(|(q, h)| *q = steps(*h));
+        filled.fill(false);
+        origin.fill(Origin::Sampled);
+        *largest = further(*largest, furthest(height_m));
+        return;
+    }
+    let places = origin.iter_mut().zip(q.iter_mut().zip(filled));
+    for ((origin, (q, filled)), (&h, &state)) in places.zip(height_m.iter().zip(state)) {
+        if *origin == Origin::Void && state != VOID {
+            debug_assert!(state == DATA || state == FILLED);
+            *largest = further(*largest, h);
+            (*q, *filled, *origin) = (steps(h), state == FILLED, Origin::Sampled);
+        }
+    }
+}
+
+/// The number furthest from 0.
+fn furthest(numbers: &[f32]) -> f32 {
+    // In eight lanes: one would wait for its own last comparison every time.
+    let mut ends = [[0_f32; 8]; 2];
+    let chunks = numbers.chunks_exact(8);
+    let rest = chunks.remainder();
+    for chunk in chunks {
+        for k in 0..8 {
+            ends[0][k] = if chunk[k] < ends[0][k] { chunk[k] } else { ends[0][k] };
+            ends[1][k] = if chunk[k] > ends[1][k] { chunk[k] } else { ends[1][k] };
+        }
+    }
+    let all = ends.iter().flatten().chain(rest);
+    all.fold(0.0, |a, &b| if b.abs() > a.abs() { b } else { a })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heights_are_rounded_and_the_furthest_is_found() {
+        let heights_m: Vec<f32> =
+            (0..1000).map(|k| (k * 7919 % 1999 - 999) as f32 * 0.25).chain([4_194_303.5, -8_388_607.0, 0.0]).collect();
+        let count = heights_m.len();
+        for (at, before) in [(None, Origin::Void), (Some(17), Origin::Sampled)] {
+            let (mut origin, mut q, mut filled) = (vec![Origin::Void; count], vec![i32::MIN; count], vec![true; count]);
+            origin[at.unwrap_or(0)] = before;
+            let mut largest = 1.0;
+            take(&heights_m, &vec![DATA; count], 0.5, (&mut origin, &mut q, &mut filled), &mut largest);
+            for (k, h) in heights_m.iter().enumerate().filter(|(k, _)| Some(*k) != at) {
+                assert_eq!((q[k], filled[k]), ((2.0 * h).round_ties_even() as i32, false), "{h}");
+            }
+            assert_eq!(at.map(|k| (q[k], filled[k])), at.map(|_| (i32::MIN, true)));
+            assert_eq!(largest, -8_388_607.0);
+        }
+        assert_eq!(furthest(&[]), 0.0);
+        assert_eq!(furthest(&[1.0, 2.0, -3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.5]), -3.0);
     }
 }

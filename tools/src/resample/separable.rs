@@ -14,6 +14,7 @@ const PATCH_PIXELS: usize = 1 << 21;
 const MIXED_TAPS: usize = 5;
 
 /// A raster's pixels and axes.
+#[derive(Clone, Copy)]
 pub(crate) struct Separable<'a> {
     pub raster: &'a Raster,
     pub columns: &'a Axis,
@@ -33,7 +34,7 @@ pub(crate) struct Position {
 }
 
 /// The taps of a list of positions on one axis.
-struct Taps {
+pub(crate) struct Taps {
     /// Taps of each position, and of its fallback.
     many: usize,
     few: usize,
@@ -53,7 +54,8 @@ impl Position {
 }
 
 impl Taps {
-    fn new(axis: &Axis, positions: &[Option<Position>], least: usize) -> Self {
+    /// Taps of positions (none outside the raster), `least` of each or more.
+    pub fn new(axis: &Axis, positions: &[Option<Position>], least: usize) -> Self {
         let most = |taps: fn(Kernel) -> usize| positions.iter().flatten().map(|p| taps(p.kernel)).max().unwrap_or(1);
         let (many, few) = (most(Kernel::taps).max(least), most(|kernel| kernel.fallback().taps()));
         let count = positions.iter().flatten().count();
@@ -71,6 +73,11 @@ impl Taps {
             }));
         }
         Self { many, few, starts, weights, fallback, slots }
+    }
+
+    /// Positions, those outside the raster included.
+    pub fn len(&self) -> usize {
+        self.slots.len()
     }
 
     fn slots_in(&self, range: std::ops::Range<usize>) -> Vec<(usize, usize)> {
@@ -92,20 +99,14 @@ impl Taps {
 }
 
 impl Separable<'_> {
-    /// Heights at every combination of `vs` and `us` (none outside the raster), row by row into
-    /// `heights_m`: metres, NaN where void.
+    /// Heights at every combination of `rows` (none outside the raster) and the positions of
+    /// `columns`, row by row into `heights_m`: metres, NaN where void.
     ///
     /// # Errors
     /// Those of reading the raster.
-    pub fn sample(
-        &self,
-        us: &[Option<Position>],
-        vs: &[Option<Position>],
-        heights_m: &mut [f64],
-    ) -> Result<(), ToolError> {
-        let columns = Taps::new(self.columns, us, 1);
-        let rows = Taps::new(self.rows, vs, if self.mixed_rows { MIXED_TAPS } else { 1 });
-        self.sample_part(&columns, &rows, 0..us.len(), 0..vs.len(), heights_m)
+    pub fn sample(&self, columns: &Taps, rows: &[Option<Position>], heights_m: &mut [f64]) -> Result<(), ToolError> {
+        let taps = Taps::new(self.rows, rows, if self.mixed_rows { MIXED_TAPS } else { 1 });
+        self.sample_part(columns, &taps, 0..columns.len(), 0..rows.len(), heights_m)
     }
 
     fn sample_part(

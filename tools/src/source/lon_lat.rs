@@ -1,45 +1,59 @@
 //! Sampling rasters whose columns are meridians and whose rows are parallels.
 
-use relief_formats::grid::Grid;
+use std::ops::Range;
 
-use super::options::Resample;
+use super::Source;
 use super::raster::Raster;
-use super::sample::lon_deg;
-use super::{NodeWindow, Source};
+use super::sample::{Request, lon_deg};
 use crate::resample::axis::Axis;
 use crate::resample::cylindrical::Rows;
 use crate::resample::kernel::Kernel;
 use crate::resample::projection::{Bounds, Projection};
-use crate::resample::separable::{Position, Separable};
+use crate::resample::separable::{Position, Separable, Taps};
 use relief_front::error::ToolError;
 
-/// What is asked of a raster.
-pub(super) struct Request<'a> {
-    pub raster: &'a Raster,
-    pub resample: Resample,
-    pub grid: &'a Grid,
-    pub window: &'a NodeWindow,
+/// A raster and where a window's columns and rows lie on it.
+pub(super) struct Lines<'a> {
+    source: &'a Source,
+    separable: Separable<'a>,
+    columns: Taps,
+    /// Rows of nodes; poles apart, which have one height each.
+    rows: Vec<Option<Position>>,
+    /// Rows at a pole: which one, whether it is the North Pole, and its place.
+    poles: Vec<(usize, bool, Position)>,
 }
 
-impl Source {
-    /// Heights of the window's nodes into `heights_m`: metres, NaN where void.
+impl Lines<'_> {
+    /// Heights of some of the window's rows into `heights_m`: metres, NaN where void.
     ///
     /// # Errors
     /// Those of reading the raster.
-    pub(super) fn lon_lat(
-        &self,
-        request: &Request<'_>,
-        columns: &Axis,
-        rows: &Rows,
-        heights_m: &mut [f64],
-    ) -> Result<(), ToolError> {
-        let &Request { raster, resample, grid, window } = request;
+    pub fn sample(&self, rows: Range<usize>, heights_m: &mut [f64]) -> Result<(), ToolError> {
+        let nx = self.columns.len();
+        self.separable.sample(&self.columns, &self.rows[rows.clone()], heights_m)?;
+        for (row, north, place) in self.poles.iter().filter(|(row, ..)| rows.contains(row)) {
+            let Separable { raster, columns, rows: axis, .. } = self.separable;
+            let mean_m = self.source.pole_m(raster, columns, axis.stored(axis.home(place.at)), *north)?;
+            heights_m[(row - rows.start) * nx..][..nx].fill(mean_m);
+        }
+        Ok(())
+    }
+}
+
+impl Source {
+    /// Where the columns and rows of the window lie.
+    ///
+    /// # Errors
+    /// Those of [`Projection::transformer`].
+    pub(super) fn lines<'a>(
+        &'a self,
+        &Request { raster, resample, grid, window }: &Request<'a>,
+        columns: &'a Axis,
+        rows: &'a Rows,
+    ) -> Result<Lines<'a>, ToolError> {
         let kernel = |step_deg: f64| self.kernel(resample, grid, step_deg);
-        let lon_deg = |i: usize| lon_deg(grid, window.level, window.x0 + i as i64);
-        let lat_deg = |j: usize| grid.lat_deg(window.level, window.y0 + j as i64);
-        let pole = |j: usize| lat_deg(j).abs() >= 90.0;
-        let lats_deg: Vec<f64> = (0..window.ny).map(lat_deg).collect();
-        let (axis, across, vs) = match rows {
+        let lats_deg: Vec<f64> = (0..window.ny).map(|j| grid.lat_deg(window.level, window.y0 + j as i64)).collect();
+        let (axis, across, mut places) = match rows {
             Rows::Even(axis) => {
                 let down = kernel(axis.step_deg);
                 let place = |&lat_deg: &f64| Some(Position::new(axis.position(lat_deg)?, down));
@@ -55,19 +69,14 @@ impl Source {
                 (axis, across, uneven(axis, (along, *lon_deg), one, half_deg, &lats_deg)?)
             }
         };
-        let us: Vec<_> =
-            (0..window.nx).map(|i| Some(Position::new(columns.longitude_position(lon_deg(i))?, across))).collect();
-        // Pole rows are set apart: one height each.
-        let set_apart: Vec<_> = vs.iter().enumerate().map(|(j, v)| v.filter(|_| !pole(j))).collect();
-        let separable = Separable { raster, columns, rows: axis, mixed_rows: matches!(rows, Rows::Uneven { .. }) };
-        separable.sample(&us, &set_apart, heights_m)?;
-        for (j, v) in vs.iter().enumerate().filter(|(j, _)| pole(*j)) {
-            if let Some(v) = v {
-                let mean_m = self.pole_m(raster, columns, axis.stored(axis.home(v.at)), lat_deg(j) > 0.0)?;
-                heights_m[j * window.nx..][..window.nx].fill(mean_m);
-            }
+        let place = |i: i64| columns.longitude_position(lon_deg(grid, window.level, window.x0 + i));
+        let across: Vec<_> = (0..window.nx as i64).map(|i| Some(Position::new(place(i)?, across))).collect();
+        let mut poles = Vec::new();
+        for (row, lat_deg) in lats_deg.iter().enumerate().filter(|(_, lat_deg)| lat_deg.abs() >= 90.0) {
+            poles.extend(places[row].take().map(|place| (row, *lat_deg > 0.0, place)));
         }
-        Ok(())
+        let separable = Separable { raster, columns, rows: axis, mixed_rows: matches!(rows, Rows::Uneven { .. }) };
+        Ok(Lines { source: self, separable, columns: Taps::new(columns, &across, 1), rows: places, poles })
     }
 
     /// The one height of a pole: the mean of the row that holds it.

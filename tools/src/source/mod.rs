@@ -174,6 +174,27 @@ impl SourceSet {
     /// # Errors
     /// [`ToolError::Source`] when the file turns out to be damaged, or void throughout.
     pub fn sample(&self, source: usize, grid: &Grid, window: &NodeWindow) -> Result<HeightBlock, ToolError> {
-        self.sources[source].sample(&self.options, grid, window)
+        let count = window.nx * window.ny;
+        let mut block = HeightBlock { height_m: Vec::with_capacity(count), state: Vec::with_capacity(count) };
+        self.visit(source, grid, window, |_, height_m, state| {
+            block.height_m.extend_from_slice(height_m);
+            block.state.extend_from_slice(state);
+        })?;
+        Ok(block)
+    }
+
+    /// As [`SourceSet::sample`], some rows at a time from the south: `visit` is given the first
+    /// row, counted from the window's own, and the heights and states of as many rows as they fill.
+    ///
+    /// # Errors
+    /// As [`SourceSet::sample`]; rows may have been visited.
+    pub fn visit(
+        &self,
+        source: usize,
+        grid: &Grid,
+        window: &NodeWindow,
+        mut visit: impl FnMut(usize, &[f32], &[u8]),
+    ) -> Result<(), ToolError> {
+        self.sources[source].visit(&self.options, grid, window, &mut visit)
     }
 }

@@ -4,16 +4,55 @@ use relief_formats::grid::Grid;
 
 use super::fill::pull_push;
 use super::geoid::Reference;
-use super::lon_lat::{self, Request};
+use super::lon_lat::{self, Lines};
 use super::open::no_coarser;
 use super::options::{Fill, Resample, SourceOptions};
 use super::raster::Raster;
-use super::{DATA, FILLED, HeightBlock, Mapping, NodeWindow, Source, VOID};
+use super::{DATA, FILLED, Mapping, NodeWindow, Source, VOID};
 use crate::resample::kernel::Kernel;
 use crate::resample::lattice::{Lattice, Positions};
 use crate::resample::projection::Projection;
 use crate::resample::scattered::Scattered;
 use relief_front::error::ToolError;
+
+/// What is asked of a raster, a source's own or one of its shape.
+#[derive(Clone, Copy)]
+pub(super) struct Request<'a> {
+    pub raster: &'a Raster,
+    pub resample: Resample,
+    pub grid: &'a Grid,
+    pub window: &'a NodeWindow,
+}
+
+/// A globe's raster ready to be sampled over a window.
+enum Sampler<'a> {
+    Lines(Lines<'a>),
+    Bent(&'a Source, &'a Projection, Request<'a>),
+    Nothing,
+}
+
+/// Rows of nodes sampled at a time: what is made of them stays in the cache.
+const STRIP_ROWS: usize = 128;
+
+impl Sampler<'_> {
+    /// Rows that [`Sampler::sample`] takes.
+    fn rows_at_once(&self, window: &NodeWindow) -> usize {
+        match self {
+            Self::Lines(_) => STRIP_ROWS,
+            // Neighbouring nodes share what the projection said: it is asked for all of them at once.
+            Self::Bent(..) | Self::Nothing => window.ny.max(1),
+        }
+    }
+
+    /// Heights of some rows of the window; metres, NaN where void.
+    fn sample(&self, rows: std::ops::Range<usize>, heights_m: &mut [f64]) -> Result<(), ToolError> {
+        match self {
+            Self::Lines(lines) => lines.sample(rows, heights_m),
+            Self::Bent(source, projection, request) => source.projected(projection, request, heights_m),
+            Self::Nothing => Ok(()),
+        }
+    }
+}
 
 impl Source {
     /// See [`super::SourceSet::finest_level`].
@@ -58,63 +97,76 @@ impl Source {
         }
     }
 
-    /// See [`super::SourceSet::sample`].
-    pub(super) fn sample(
+    /// See [`super::SourceSet::visit`].
+    pub(super) fn visit(
         &self,
         options: &SourceOptions,
         grid: &Grid,
         window: &NodeWindow,
-    ) -> Result<HeightBlock, ToolError> {
+        visit: &mut dyn FnMut(usize, &[f32], &[u8]),
+    ) -> Result<(), ToolError> {
         let fill = options.fill == Fill::Interpolate;
         if let Mapping::Plane(place) = &self.mapping {
             let filled = if fill { Some(self.filled()?) } else { None };
-            return place.sample(&self.raster, filled, grid, window);
+            let block = place.sample(&self.raster, filled, grid, window)?;
+            visit(0, &block.height_m, &block.state);
+            return Ok(());
         }
-        let mut heights_m = self.on_globe(&self.raster, options.resample, grid, window)?;
-        let mut state: Vec<u8> = heights_m.iter().map(|height| if height.is_nan() { VOID } else { DATA }).collect();
-        if fill && state.contains(&VOID) && self.covers(grid, window) {
-            let filled_m = self.on_globe(self.filled()?, Resample::Bilinear, grid, window)?;
-            for ((height_m, state), filled_m) in heights_m.iter_mut().zip(&mut state).zip(filled_m) {
-                if *state == VOID && !filled_m.is_nan() {
-                    (*height_m, *state) = (filled_m, FILLED);
-                }
+        let request = Request { raster: &self.raster, resample: options.resample, grid, window };
+        let sampler = self.sampler(&request)?;
+        let (mut exact_m, mut height_m, mut state) = (Vec::new(), Vec::new(), Vec::new());
+        for first in (0..window.ny).step_by(sampler.rows_at_once(window)) {
+            let ny = sampler.rows_at_once(window).min(window.ny - first);
+            let part = NodeWindow { y0: window.y0 + first as i64, ny, ..*window };
+            exact_m.clear();
+            exact_m.resize(part.nx * ny, f64::NAN);
+            sampler.sample(first..first + ny, &mut exact_m)?;
+            state.clear();
+            state.extend(exact_m.iter().map(|height| if height.is_nan() { VOID } else { DATA }));
+            if fill && state.contains(&VOID) && self.covers(grid, &part) {
+                self.fill_in(&part, grid, &mut exact_m, &mut state)?;
             }
+            if let Reference::Geoid(geoid) = &self.reference {
+                geoid.add(grid, &part, &mut exact_m)?;
+            }
+            height_m.clear();
+            height_m.extend(exact_m.iter().map(|height| if height.is_nan() { 0.0 } else { *height as f32 }));
+            visit(first, &height_m, &state);
         }
-        if let Reference::Geoid(geoid) = &self.reference {
-            geoid.add(grid, window, &mut heights_m)?;
-        }
-        let height_m = heights_m.iter().map(|height| if height.is_nan() { 0.0 } else { *height as f32 }).collect();
-        Ok(HeightBlock { height_m, state })
+        Ok(())
     }
 
-    /// Heights of `raster`, this source's or one of its shape; metres, NaN where void.
-    fn on_globe(
+    /// Interpolated heights where there are none.
+    fn fill_in(
         &self,
-        raster: &Raster,
-        resample: Resample,
-        grid: &Grid,
         window: &NodeWindow,
-    ) -> Result<Vec<f64>, ToolError> {
-        let mut heights_m = vec![f64::NAN; window.nx * window.ny];
-        match &self.mapping {
-            Mapping::LonLat { columns, rows } => {
-                self.lon_lat(&Request { raster, resample, grid, window }, columns, rows, &mut heights_m)?;
+        grid: &Grid,
+        heights_m: &mut [f64],
+        state: &mut [u8],
+    ) -> Result<(), ToolError> {
+        let request = Request { raster: self.filled()?, resample: Resample::Bilinear, grid, window };
+        let mut filled_m = vec![f64::NAN; heights_m.len()];
+        self.sampler(&request)?.sample(0..window.ny, &mut filled_m)?;
+        for ((height_m, state), filled_m) in heights_m.iter_mut().zip(state).zip(filled_m) {
+            if *state == VOID && !filled_m.is_nan() {
+                (*height_m, *state) = (filled_m, FILLED);
             }
-            Mapping::Projected(projection) => {
-                self.projected(raster, projection, resample, grid, window, &mut heights_m)?;
-            }
-            Mapping::Plane(_) => {}
         }
-        Ok(heights_m)
+        Ok(())
+    }
+
+    fn sampler<'a>(&'a self, request: &Request<'a>) -> Result<Sampler<'a>, ToolError> {
+        Ok(match &self.mapping {
+            Mapping::LonLat { columns, rows } => Sampler::Lines(self.lines(request, columns, rows)?),
+            Mapping::Projected(projection) => Sampler::Bent(self, projection, *request),
+            Mapping::Plane(_) => Sampler::Nothing,
+        })
     }
 
     fn projected(
         &self,
-        raster: &Raster,
         projection: &Projection,
-        resample: Resample,
-        grid: &Grid,
-        window: &NodeWindow,
+        &Request { raster, resample, grid, window }: &Request<'_>,
         heights_m: &mut [f64],
     ) -> Result<(), ToolError> {
         if !self.covers(grid, window) {
