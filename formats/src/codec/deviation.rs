@@ -6,6 +6,8 @@
 //! the room between the local code and the lower of these centres, the lid. At level 0 the local
 //! codes are right but in the two outermost rows and columns.
 
+use std::sync::LazyLock;
+
 use super::CodecError;
 use super::frame::compress;
 use super::nodes::HALF;
@@ -25,8 +27,8 @@ pub fn encode(codes: &[u8], nodes: &[i32]) -> Vec<u8> {
         |places: &[usize]| -> Vec<u8> { places.iter().map(|&k| codes[k].wrapping_sub(local[k])).collect() };
     let (centres, sides) = places();
     let mut plane = Vec::new();
-    write_groups(&mut plane, &differences(&centres), &centre_groups(&local));
-    write_groups(&mut plane, &differences(&sides), &side_groups(codes, &local, &sides));
+    write_groups(&mut plane, &differences(centres), &centre_groups(&local));
+    write_groups(&mut plane, &differences(sides), &side_groups(codes, &local));
     plane
 }
 
@@ -42,7 +44,7 @@ pub fn decode(plane: &[u8], nodes: &[i32]) -> Result<Vec<u8>, CodecError> {
     for (&k, d) in centres.iter().zip(read_groups(&mut rest, &centre_groups(&local))?) {
         codes[k] = codes[k].wrapping_add(d);
     }
-    for (&k, d) in sides.iter().zip(read_groups(&mut rest, &side_groups(&codes, &local, &sides))?) {
+    for (&k, d) in sides.iter().zip(read_groups(&mut rest, &side_groups(&codes, &local))?) {
         codes[k] = codes[k].wrapping_add(d);
     }
     if rest.is_empty() { Ok(codes) } else { Err(CodecError::Trailing) }
@@ -54,12 +56,25 @@ const GROUPS: usize = 8;
 /// Writes the values group by group: eight lengths (24 bits), eight frames; a group of zeros is
 /// empty.
 fn write_groups(plane: &mut Vec<u8>, values: &[u8], groups: &[u8]) {
-    let mut frames: [Vec<u8>; GROUPS] = Default::default();
-    for (value, &group) in values.iter().zip(groups) {
-        frames[group as usize].push(*value);
+    let mut ends = [0; GROUPS];
+    groups.iter().for_each(|&g| ends[usize::from(g) % GROUPS] += 1);
+    let mut next = [0; GROUPS];
+    for group in 1..GROUPS {
+        next[group] = ends[group - 1];
+        ends[group] += ends[group - 1];
     }
-    for frame in &mut frames {
-        *frame = if frame.iter().all(|&v| v == 0) { Vec::new() } else { compress(frame) };
+    let starts = next;
+    let mut sorted = vec![0; values.len()];
+    for (value, &group) in values.iter().zip(groups) {
+        let place = &mut next[usize::from(group) % GROUPS];
+        sorted[*place] = *value;
+        *place += 1;
+    }
+    let frames: [Vec<u8>; GROUPS] = std::array::from_fn(|group| {
+        let values = &sorted[starts[group]..ends[group]];
+        if values.iter().all(|&v| v == 0) { Vec::new() } else { compress(values) }
+    });
+    for frame in &frames {
         plane.extend_from_slice(&(frame.len() as u32).to_le_bytes()[..3]);
     }
     frames.iter().for_each(|frame| plane.extend_from_slice(frame));
@@ -89,41 +104,83 @@ fn read_groups(plane: &mut &[u8], groups: &[u8]) -> Result<Vec<u8>, CodecError> 
 }
 
 /// The places of centres, then of horizontal and vertical sides, each row by row.
-fn places() -> (Vec<usize>, Vec<usize>) {
+static PLACES: LazyLock<(Vec<usize>, Vec<usize>)> = LazyLock::new(|| {
     let of = |x0: usize, y0: usize| {
         (y0..TILE_NODES).step_by(2).flat_map(move |y| (x0..TILE_NODES).step_by(2).map(move |x| y * TILE_NODES + x))
     };
     (of(1, 1).collect(), of(1, 0).chain(of(0, 1)).collect())
+});
+
+fn places() -> (&'static [usize], &'static [usize]) {
+    (&PLACES.0, &PLACES.1)
+}
+
+/// Most that the sum of nine codes can differ from nine times a code.
+const MOST: i32 = 9 * u8::MAX as i32;
+/// Groups of centres by that difference, from -MOST on.
+static CENTRE_GROUP: [u8; 2 * MOST as usize + 1] = table(-MOST, [-18, -6, 0, 6, 18, 36, 72]);
+/// Groups of sides by the room.
+static SIDE_GROUP: [u8; 256] = table(0, [1, 2, 3, 5, 7, 10, 15]);
+
+/// For every value from `first` on: how many of the bounds it has reached.
+const fn table<const N: usize>(first: i32, bounds: [i32; GROUPS - 1]) -> [u8; N] {
+    let mut groups = [0; N];
+    let mut k = 0;
+    while k < N {
+        let mut group = 0;
+        while group < GROUPS - 1 && first + k as i32 >= bounds[group] {
+            group += 1;
+        }
+        groups[k] = group as u8;
+        k += 1;
+    }
+    groups
 }
 
 /// The group of each centre: by the sum of the local codes of the 3 x 3 centres around it (held
 /// at the tile's edge) less nine times its own.
 fn centre_groups(local: &[u8]) -> Vec<u8> {
-    let at = |i: usize, j: usize| i32::from(local[(2 * j + 1) * TILE_NODES + 2 * i + 1]);
-    let near = |i: usize| [i.saturating_sub(1), i, (i + 1).min(HALF - 1)];
-    (0..HALF * HALF)
-        .map(|k| {
-            let (i, j) = (k % HALF, k / HALF);
-            let sum: i32 = near(j).iter().map(|&y| near(i).iter().map(|&x| at(x, y)).sum::<i32>()).sum();
-            group(sum - 9 * at(i, j), [-18, -6, 0, 6, 18, 36, 72])
-        })
-        .collect()
+    let row = |j: usize| &local[(2 * j + 1) * TILE_NODES..][..TILE_NODES];
+    let mut groups = Vec::with_capacity(HALF * HALF);
+    // Sums of three rows, the outermost repeated on both sides.
+    let mut sums = [0; HALF + 2];
+    for j in 0..HALF {
+        let (south, here, north) = (row(j.saturating_sub(1)), row(j), row((j + 1).min(HALF - 1)));
+        for (i, sum) in sums[1..=HALF].iter_mut().enumerate() {
+            let x = 2 * i + 1;
+            *sum = i32::from(south[x]) + i32::from(here[x]) + i32::from(north[x]);
+        }
+        (sums[0], sums[HALF + 1]) = (sums[1], sums[HALF]);
+        groups.extend((0..HALF).map(|i| {
+            let more = sums[i] + sums[i + 1] + sums[i + 2] - 9 * i32::from(here[2 * i + 1]);
+            CENTRE_GROUP[(more + MOST) as usize]
+        }));
+    }
+    groups
 }
 
 /// The group of each side: by the room between its local code and its lid.
-fn side_groups(codes: &[u8], local: &[u8], sides: &[usize]) -> Vec<u8> {
-    let room = |&k: &usize| {
-        let (step, place) = if (k / TILE_NODES) % 2 == 1 { (1, k % TILE_NODES) } else { (TILE_NODES, k / TILE_NODES) };
-        let before = if place > 0 { codes[k - step] } else { u8::MAX };
-        let after = if place < TILE_NODES - 1 { codes[k + step] } else { u8::MAX };
-        i32::from(before.min(after).saturating_sub(local[k]))
-    };
-    sides.iter().map(|k| group(room(k), [1, 2, 3, 5, 7, 10, 15])).collect()
-}
-
-/// How many of the bounds a value has reached.
-fn group(value: i32, bounds: [i32; GROUPS - 1]) -> u8 {
-    bounds.iter().map(|&bound| u8::from(value >= bound)).sum()
+fn side_groups(codes: &[u8], local: &[u8]) -> Vec<u8> {
+    const LAST: usize = TILE_NODES - 1;
+    let mut groups = Vec::with_capacity(2 * HALF * (HALF + 1));
+    // Beyond the tile there is no lid.
+    static NONE: [u8; TILE_NODES] = [u8::MAX; TILE_NODES];
+    fn row(of: &[u8], y: usize) -> &[u8; TILE_NODES] {
+        of.get(y * TILE_NODES..).and_then(|rest| rest.first_chunk()).unwrap_or(&NONE)
+    }
+    let group = |a: u8, b: u8, local: u8| SIDE_GROUP[usize::from(a.min(b).saturating_sub(local))];
+    for y in (0..TILE_NODES).step_by(2) {
+        let south = if y > 0 { row(codes, y - 1) } else { &NONE };
+        let (here, north) = (row(local, y), row(codes, y + 1));
+        groups.extend((1..LAST).step_by(2).map(|x| group(south[x], north[x], here[x])));
+    }
+    for y in (1..TILE_NODES).step_by(2) {
+        let (codes, here) = (row(codes, y), row(local, y));
+        groups.push(group(u8::MAX, codes[1], here[0]));
+        groups.extend((2..LAST).step_by(2).map(|x| group(codes[x - 1], codes[x + 1], here[x])));
+        groups.push(group(codes[LAST - 1], u8::MAX, here[LAST]));
+    }
+    groups
 }
 
 fn local(nodes: &[i32]) -> Vec<u8> {
@@ -143,7 +200,7 @@ mod tests {
             let nodes = terrain(kind, seed, TILE_NODES);
             let mut codes = local(&nodes);
             let (centres, sides) = places();
-            for k in centres.into_iter().chain(sides) {
+            for &k in centres.iter().chain(sides) {
                 codes[k] = codes[k].wrapping_add((k as u8) & noise);
             }
             prop_assert_eq!(decode(&encode(&codes, &nodes), &nodes).unwrap(), codes);

@@ -105,6 +105,33 @@ struct Baker<'a> {
     resumed: usize,
 }
 
+/// What every block of a stage needs.
+struct Worker<'a> {
+    plan: &'a Plan,
+    composer: &'a Composer<'a>,
+    stop: &'a AtomicBool,
+    below: Option<&'a Handoffs<'a>>,
+}
+
+impl Worker<'_> {
+    fn block(&self, key: BlockKey) -> Result<Finished, ToolError> {
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(ToolError::Interrupted);
+        }
+        let core = key.core(self.plan);
+        let pad = padding(key.levels(self.plan));
+        let (base, filled) = match self.below {
+            Some(below) => below.gather(core, pad)?,
+            None => {
+                let nodes: Window = core.expand(pad).nodes();
+                let composed = self.composer.window(key.level, nodes)?;
+                (Base { level: key.level, nodes: composed.q, mip: None, below: None }, composed.filled)
+            }
+        };
+        Ok(finish(self.plan, key, base, filled))
+    }
+}
+
 impl<'a> Baker<'a> {
     fn start(
         plan: &'a Plan,
@@ -159,44 +186,49 @@ impl<'a> Baker<'a> {
                 }
                 progress.add(1);
             }
-            for batch in missing.chunks(at_once) {
-                let finished: Vec<Result<Finished, ToolError>> =
-                    pool.install(|| batch.par_iter().map(|&key| self.block(key, below.as_ref())).collect());
-                for (&key, finished) in batch.iter().zip(finished) {
-                    let finished = finished?;
-                    let path = work_file(&self.options.output);
-                    let placed = self
-                        .journal
-                        .append(key, &finished)
-                        .map_err(|error| io_error("cannot write the work file", &path, error))?;
+            // While a batch is worked off, the one before it is written; so one more round, without a
+            // batch, follows the last, and one that failed.
+            let worker = Worker { plan: self.plan, composer: self.composer, stop: self.stop, below: below.as_ref() };
+            let mut batches = missing.chunks(at_once);
+            let mut finished: Vec<(BlockKey, Finished)> = Vec::new();
+            let mut failed = None;
+            loop {
+                let batch = if failed.is_none() { batches.next().unwrap_or_default() } else { &[] };
+                if batch.is_empty() && finished.is_empty() {
+                    break;
+                }
+                let (placed, results) = std::thread::scope(|scope| {
+                    let (journal, before) = (&mut self.journal, &finished);
+                    let writer = scope.spawn(move || before.iter().map(|(key, f)| journal.append(*key, f)).collect());
+                    let results: Vec<Result<Finished, ToolError>> =
+                        pool.install(|| batch.par_iter().map(|&key| worker.block(key)).collect());
+                    let placed: std::io::Result<Vec<Vec<Placed>>> =
+                        writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+                    (placed, results)
+                });
+                let path = work_file(&self.options.output);
+                let placed = placed.map_err(|error| io_error("cannot write the work file", &path, error))?;
+                for ((key, block), placed) in finished.drain(..).zip(placed) {
                     self.tiles.extend(placed);
-                    self.measured |= finished.measured;
-                    if let Some(handoff) = finished.handoff {
+                    self.measured |= block.measured;
+                    if let Some(handoff) = block.handoff {
                         next.insert(key.x as i32, key.y as i32, handoff);
                     }
                     progress.add(1);
                 }
+                for (&key, result) in batch.iter().zip(results) {
+                    match result {
+                        Ok(block) => finished.push((key, block)),
+                        Err(error) => failed = failed.or(Some(error)),
+                    }
+                }
+            }
+            if let Some(error) = failed {
+                return Err(error);
             }
             below = Some(next);
         }
         Ok(())
-    }
-
-    fn block(&self, key: BlockKey, below: Option<&Handoffs<'_>>) -> Result<Finished, ToolError> {
-        if self.stop.load(Ordering::Relaxed) {
-            return Err(ToolError::Interrupted);
-        }
-        let core = key.core(self.plan);
-        let pad = padding(key.levels(self.plan));
-        let (base, filled) = match below {
-            Some(below) => below.gather(core, pad)?,
-            None => {
-                let nodes: Window = core.expand(pad).nodes();
-                let composed = self.composer.window(key.level, nodes)?;
-                (Base { level: key.level, nodes: composed.q, mip: None, below: None }, composed.filled)
-            }
-        };
-        Ok(finish(self.plan, key, base, filled))
     }
 
     fn publish(&self, metadata: &Metadata) -> Result<Header, ToolError> {
