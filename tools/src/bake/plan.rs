@@ -1,5 +1,6 @@
 //! What will be baked: the grid, the step, and which tiles the file will have.
 
+use std::cell::Cell;
 use std::collections::{BTreeSet, HashSet};
 
 use relief_formats::codec::nodes::SAMPLE_LIMIT;
@@ -118,6 +119,25 @@ impl Plan {
         let (w, h) = (self.grid.tiles_x(level), self.grid.tiles_y(level));
         let tile = |v: i32, n: u32| (v as u32 / TILE_CELLS).min(n - 1);
         !self.has(TileKey::new(level, tile(x, w), tile(y, h)))
+    }
+
+    /// [`Plan::absent`] for nodes asked for row by row: it remembers the last row of a tile.
+    pub fn absent_by_row(&self) -> impl Fn(u32, i32, i32) -> bool + '_ {
+        let last = Cell::new((0, 0, 0..0, false));
+        move |level, x, y| {
+            let (last_level, last_y, columns, absent) = last.take();
+            let known = level == last_level && y == last_y && columns.contains(&x);
+            let (columns, absent) = if known {
+                (columns, absent)
+            } else {
+                // A globe's columns turn by whole tiles; a plane's are mirrored at its ends.
+                let from = x.div_euclid(TILE_CELLS as i32) * TILE_CELLS as i32;
+                let whole = !self.grid.plane || (0..self.grid.width(level) as i32).contains(&x);
+                (if whole { from..from + TILE_CELLS as i32 } else { x..x + 1 }, self.absent(level, x, y))
+            };
+            last.set((level, y, columns, absent));
+            absent
+        }
     }
 
     /// Metres per step.

@@ -84,7 +84,7 @@ pub fn blocks(plan: &Plan, level: u32) -> Vec<BlockKey> {
 pub fn finish(plan: &Plan, key: BlockKey, base: Base, filled: Field<bool>) -> Finished {
     let core = key.core(plan);
     let levels = key.levels(plan);
-    let absent = |level: u32, x: i32, y: i32| plan.absent(level, x, y);
+    let absent = plan.absent_by_row();
     let absent: Option<&Absent<'_>> = if plan.is_dense() { None } else { Some(&absent) };
     let block = derive_block(base, core, levels, absent);
     let mut filled_levels = vec![filled];

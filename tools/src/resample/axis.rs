@@ -3,6 +3,8 @@
 //! Sample coordinate u is 0 at the first sample's position and n - 1 at the last one's; the
 //! pixel of sample p covers [p - 1/2, p + 1/2).
 
+use super::kernel::floor;
+
 /// How the raster goes on beyond one end of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum End {
@@ -78,6 +80,7 @@ impl Axis {
     }
 
     /// Sample coordinate of an angle; none outside the raster.
+    #[inline]
     pub fn position(&self, angle_deg: f64) -> Option<f64> {
         if self.period.is_some() {
             // First sample up to the position that repeats it.
@@ -109,8 +112,9 @@ impl Axis {
     }
 
     /// The pixel that contains u; may be one beyond the end where the axis wraps.
+    #[inline]
     pub fn home(&self, u: f64) -> i64 {
-        let home = (u + 0.5).floor() as i64;
+        let home = floor(u + 0.5);
         if self.period.is_some() { home } else { home.clamp(0, self.n as i64 - 1) }
     }
 
@@ -148,8 +152,11 @@ impl Axis {
 }
 
 /// Takes away the rounding that would make ties between two pixels a matter of chance.
+#[inline]
 fn snap(u: f64) -> f64 {
-    let halves = (2.0 * u).round();
+    // The nearest integer below 2^51, without a call into the C library; ties are far from snapping.
+    const INTEGERS: f64 = 6_755_399_441_055_744.0;
+    let halves = (2.0 * u + INTEGERS) - INTEGERS;
     if (2.0 * u - halves).abs() < SLACK { 0.5 * halves } else { u }
 }
 

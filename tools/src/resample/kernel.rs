@@ -17,6 +17,7 @@ pub(crate) enum Kernel {
 
 impl Kernel {
     /// Taps of every position; for a box the most that any position needs.
+    #[inline]
     pub fn taps(self) -> usize {
         match self {
             Self::Nearest => 1,
@@ -36,19 +37,21 @@ impl Kernel {
     }
 
     /// First tap of a position; those of the fallback lie within the kernel's own.
+    #[inline]
     pub fn start(self, axis: &Axis, u: f64) -> i64 {
         match self {
             Self::Nearest => axis.home(u),
-            Self::Bilinear => u.floor() as i64,
-            Self::Cubic => u.floor() as i64 - 1,
-            Self::Lanczos => u.floor() as i64 - 2,
-            Self::Box { width } => ((u - 0.5 * width).max(axis.reach()[0]) + 0.5).floor() as i64,
+            Self::Bilinear => floor(u),
+            Self::Cubic => floor(u) - 1,
+            Self::Lanczos => floor(u) - 2,
+            Self::Box { width } => floor((u - 0.5 * width).max(axis.reach()[0]) + 0.5),
         }
     }
 
     /// Writes the weights of a position, which sum to 1; `weights` is as long as [`Kernel::taps`].
+    #[inline]
     pub fn weigh(self, axis: &Axis, u: f64, weights: &mut [f64]) {
-        let f = u - u.floor();
+        let f = u - floor(u) as f64;
         match self {
             Self::Nearest => weights[0] = 1.0,
             Self::Bilinear => weights.copy_from_slice(&[1.0 - f, f]),
@@ -68,6 +71,13 @@ impl Kernel {
             }
         }
     }
+}
+
+/// The largest integer not above u, |u| < 2^63, without a call into the C library.
+#[inline]
+pub(crate) fn floor(u: f64) -> i64 {
+    let cut = u as i64;
+    cut - i64::from(cut as f64 > u)
 }
 
 /// Keys (1981) "Cubic convolution interpolation", a = -1/2, for taps -1, 0, 1, 2.
@@ -143,6 +153,13 @@ mod tests {
             let (start, w) = weights(Kernel::Bilinear, u);
             let value: f64 = w.iter().zip(start..).map(|(w, x)| w * x as f64).sum();
             assert!((value - u).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn floors() {
+        for u in [0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 2.999_999_9, -2.000_000_1, 1e15 + 0.5, -1e15 - 0.5] {
+            assert_eq!(floor(u), u.floor() as i64, "{u}");
         }
     }
 

@@ -15,7 +15,7 @@ pub(crate) struct Scattered<'a> {
     pub raster: &'a Raster,
     pub kernel: Kernel,
     /// `nx` points a row.
-    pub points: &'a [[f64; 2]],
+    pub points: Vec<[f64; 2]>,
     pub nx: usize,
     /// For a mean, the corners of each point's footprint; NaN where the kernel serves instead.
     pub footprints: Option<&'a [[[f64; 2]; 4]]>,
@@ -28,26 +28,39 @@ struct Span {
     y: (i64, i64),
 }
 
+/// A raster's axes and the sample coordinates of each point, NaN outside.
+struct Places {
+    axes: [Axis; 2],
+    uv: Vec<[f64; 2]>,
+}
+
 impl Scattered<'_> {
     /// Writes the height of every point, metres, NaN where void.
     ///
     /// # Errors
     /// Those of reading the raster.
-    pub fn sample(&self, heights_m: &mut [f64]) -> Result<(), ToolError> {
+    pub fn sample(mut self, heights_m: &mut [f64]) -> Result<(), ToolError> {
         let axes = [Axis::pixels(self.raster.width), Axis::pixels(self.raster.height)];
         let rows = self.points.len().checked_div(self.nx).unwrap_or(0);
-        self.part(&axes, 0..self.nx, 0..rows, heights_m)
+        let mut uv = std::mem::take(&mut self.points);
+        for place in &mut uv {
+            *place = match (axes[0].position(place[0]), axes[1].position(place[1])) {
+                (Some(u), Some(v)) => [u, v],
+                _ => [f64::NAN; 2],
+            };
+        }
+        self.part(&Places { axes, uv }, 0..self.nx, 0..rows, heights_m)
     }
 
     fn part(
         &self,
-        axes: &[Axis; 2],
+        places: &Places,
         xs: std::ops::Range<usize>,
         ys: std::ops::Range<usize>,
         heights_m: &mut [f64],
     ) -> Result<(), ToolError> {
         let indices = || ys.clone().flat_map(|y| xs.clone().map(move |x| y * self.nx + x));
-        let spans = indices().filter_map(|at| self.span(axes, at));
+        let spans = indices().filter_map(|at| self.span(places, at));
         let Some(span) = spans
             .reduce(|a, b| Span { x: (a.x.0.min(b.x.0), a.x.1.max(b.x.1)), y: (a.y.0.min(b.y.0), a.y.1.max(b.y.1)) })
         else {
@@ -57,38 +70,38 @@ impl Scattered<'_> {
         if pixels > PATCH_PIXELS && xs.len() * ys.len() > 1 {
             let (x_half, y_half) = (xs.start + xs.len() / 2, ys.start + ys.len() / 2);
             if ys.len() >= xs.len() {
-                self.part(axes, xs.clone(), ys.start..y_half, heights_m)?;
-                return self.part(axes, xs, y_half..ys.end, heights_m);
+                self.part(places, xs.clone(), ys.start..y_half, heights_m)?;
+                return self.part(places, xs, y_half..ys.end, heights_m);
             }
-            self.part(axes, xs.start..x_half, ys.clone(), heights_m)?;
-            return self.part(axes, x_half..xs.end, ys, heights_m);
+            self.part(places, xs.start..x_half, ys.clone(), heights_m)?;
+            return self.part(places, x_half..xs.end, ys, heights_m);
         }
+        let axes = &places.axes;
         let columns: Vec<_> = (span.x.0..span.x.1).map(|x| axes[0].stored(x).0).collect();
         let rows: Vec<_> = (span.y.0..span.y.1).map(|y| axes[1].stored(y)).collect();
         let patch = self.raster.gather(&rows, &columns, None)?;
         for at in indices() {
-            if let Some(uv) = self.inside(axes, at) {
-                heights_m[at] = match self.footprint(at) {
-                    Some(quad) => self.mean(axes, &patch, span, uv, quad),
-                    None => self.kernel_sum(axes, &patch, span, uv),
-                };
+            let uv = places.uv[at];
+            if uv[0].is_nan() {
+                continue;
             }
+            heights_m[at] = match self.footprint(at) {
+                Some(quad) => self.mean(axes, &patch, span, uv, quad),
+                None => self.kernel_sum(axes, &patch, span, uv),
+            };
         }
         Ok(())
-    }
-
-    /// Sample coordinates of a point inside the raster.
-    fn inside(&self, axes: &[Axis; 2], at: usize) -> Option<[f64; 2]> {
-        let [px, py] = self.points[at];
-        Some([axes[0].position(px)?, axes[1].position(py)?])
     }
 
     fn footprint(&self, at: usize) -> Option<&[[f64; 2]; 4]> {
         self.footprints.map(|all| &all[at]).filter(|quad| quad.iter().flatten().all(|value| value.is_finite()))
     }
 
-    fn span(&self, axes: &[Axis; 2], at: usize) -> Option<Span> {
-        let uv = self.inside(axes, at)?;
+    fn span(&self, Places { axes, uv }: &Places, at: usize) -> Option<Span> {
+        let uv = uv[at];
+        if uv[0].is_nan() {
+            return None;
+        }
         let taps = self.kernel.taps() as i64;
         let mut span = [0, 1].map(|axis| {
             let start = self.kernel.start(&axes[axis], uv[axis]);
@@ -107,27 +120,46 @@ impl Scattered<'_> {
     }
 
     fn kernel_sum(&self, axes: &[Axis; 2], patch: &Patch, span: Span, uv: [f64; 2]) -> f64 {
-        let (taps, few) = (self.kernel.taps(), self.kernel.fallback().taps());
-        let (mut weights, mut spare) = ([[0.0; 6]; 2], [[0.0; 6]; 2]);
+        let sum = match self.kernel.taps() {
+            1 => self.weighted::<1>(axes, patch, span, uv),
+            2 => self.weighted::<2>(axes, patch, span, uv),
+            4 => self.weighted::<4>(axes, patch, span, uv),
+            _ => self.weighted::<6>(axes, patch, span, uv),
+        };
+        if sum.is_nan() { self.beside_voids(axes, patch, span, uv) } else { sum }
+    }
+
+    /// The kernel's sum, NaN with a void among its K x K taps.
+    #[inline]
+    fn weighted<const K: usize>(&self, axes: &[Axis; 2], patch: &Patch, span: Span, uv: [f64; 2]) -> f64 {
+        let mut weights = [[0.0; K]; 2];
         let begin = [span.x.0, span.y.0];
-        let mut starts = [[0; 3]; 2];
-        for axis in 0..2 {
-            let (kernel, fallback, u) = (self.kernel, self.kernel.fallback(), uv[axis]);
-            kernel.weigh(&axes[axis], u, &mut weights[axis][..taps]);
-            fallback.weigh(&axes[axis], u, &mut spare[axis][..few]);
-            starts[axis] = [kernel.start(&axes[axis], u), fallback.start(&axes[axis], u), axes[axis].home(u)]
-                .map(|index| (index - begin[axis]) as usize);
-        }
+        let [x, y] = [0, 1].map(|axis| {
+            self.kernel.weigh(&axes[axis], uv[axis], &mut weights[axis]);
+            (self.kernel.start(&axes[axis], uv[axis]) - begin[axis]) as usize
+        });
         let mut sum = 0.0;
-        for (row, wy) in weights[1][..taps].iter().enumerate() {
-            let line = &patch.pixels[(starts[1][0] + row) * patch.nx + starts[0][0]..][..taps];
+        for (row, wy) in weights[1].iter().enumerate() {
+            let line = &patch.pixels[(y + row) * patch.nx + x..][..K];
             let across: f64 = line.iter().zip(&weights[0]).map(|(pixel, wx)| wx * f64::from(*pixel)).sum();
             sum += wy * across;
         }
-        match sum.is_nan() {
-            false => sum,
-            true => beside_voids(patch, starts[0], starts[1], &spare[0][..few], &spare[1][..few]),
-        }
+        sum
+    }
+
+    #[cold]
+    fn beside_voids(&self, axes: &[Axis; 2], patch: &Patch, span: Span, uv: [f64; 2]) -> f64 {
+        let fallback = self.kernel.fallback();
+        let few = fallback.taps();
+        let mut weights = [[0.0; 6]; 2];
+        let begin = [span.x.0, span.y.0];
+        let starts = [0, 1].map(|axis| {
+            let (place, u) = (&axes[axis], uv[axis]);
+            fallback.weigh(place, u, &mut weights[axis][..few]);
+            [self.kernel.start(place, u), fallback.start(place, u), place.home(u)]
+                .map(|index| (index - begin[axis]) as usize)
+        });
+        beside_voids(patch, starts[0], starts[1], &weights[0][..few], &weights[1][..few])
     }
 
     fn mean(&self, axes: &[Axis; 2], patch: &Patch, span: Span, uv: [f64; 2], quad: &[[f64; 2]; 4]) -> f64 {

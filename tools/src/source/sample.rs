@@ -205,7 +205,7 @@ impl Source {
         let scattered = Scattered {
             raster,
             kernel: kernel.unwrap_or(Kernel::Cubic),
-            points: &points,
+            points,
             nx: window.nx,
             footprints: footprints.as_deref(),
         };
