@@ -9,6 +9,7 @@
 use std::sync::LazyLock;
 
 use super::CodecError;
+use super::crown::Crown;
 use super::frame::compress;
 use super::nodes::HALF;
 use crate::derive::local_deviation;
@@ -16,11 +17,14 @@ use crate::tile::TILE_NODES;
 
 const NODES: usize = TILE_NODES * TILE_NODES;
 
-/// Encodes the codes of a tile (257 x 257, 0 at nodes with both indices even).
+/// Encodes the codes of a tile (257 x 257); nodes with both indices even have one only at the root
+/// level.
 #[must_use]
-pub fn encode(codes: &[u8], nodes: &[i32]) -> Vec<u8> {
+pub fn encode(codes: &[u8], nodes: &[i32], root: bool) -> Vec<u8> {
     let local = local(nodes);
-    if local == codes {
+    let mut predicted = local.clone();
+    let crown = root.then(|| Crown::of(nodes)).map(|crown| (crown.predict(&mut predicted), crown));
+    if predicted == codes {
         return Vec::new();
     }
     let differences =
@@ -29,16 +33,21 @@ pub fn encode(codes: &[u8], nodes: &[i32]) -> Vec<u8> {
     let mut plane = Vec::new();
     write_groups(&mut plane, &differences(centres), &centre_groups(&local));
     write_groups(&mut plane, &differences(sides), &side_groups(codes, &local));
+    if let Some((activity, crown)) = crown {
+        plane.extend(crown.encode(codes, &activity));
+    }
     plane
 }
 
 /// Decodes what [`encode`] wrote.
-pub fn decode(plane: &[u8], nodes: &[i32]) -> Result<Vec<u8>, CodecError> {
-    let mut codes = local(nodes);
+pub fn decode(plane: &[u8], nodes: &[i32], root: bool) -> Result<Vec<u8>, CodecError> {
+    let local = local(nodes);
+    let mut predicted = local.clone();
+    let crown = root.then(|| Crown::of(nodes)).map(|crown| (crown.predict(&mut predicted), crown));
     if plane.is_empty() {
-        return Ok(codes);
+        return Ok(predicted);
     }
-    let local = codes.clone();
+    let mut codes = local.clone();
     let (centres, sides) = places();
     let mut rest = plane;
     for (&k, d) in centres.iter().zip(read_groups(&mut rest, &centre_groups(&local))?) {
@@ -47,7 +56,12 @@ pub fn decode(plane: &[u8], nodes: &[i32]) -> Result<Vec<u8>, CodecError> {
     for (&k, d) in sides.iter().zip(read_groups(&mut rest, &side_groups(&codes, &local))?) {
         codes[k] = codes[k].wrapping_add(d);
     }
-    if rest.is_empty() { Ok(codes) } else { Err(CodecError::Trailing) }
+    match crown {
+        Some((activity, crown)) => crown.decode(rest, &mut codes, &activity)?,
+        None if rest.is_empty() => {}
+        None => return Err(CodecError::Trailing),
+    }
+    Ok(codes)
 }
 
 /// Groups of a class.
@@ -56,22 +70,22 @@ const GROUPS: usize = 8;
 /// Writes the values group by group: eight lengths (24 bits), eight frames; a group of zeros is
 /// empty.
 fn write_groups(plane: &mut Vec<u8>, values: &[u8], groups: &[u8]) {
-    let mut ends = [0; GROUPS];
-    groups.iter().for_each(|&g| ends[usize::from(g) % GROUPS] += 1);
-    let mut next = [0; GROUPS];
-    for group in 1..GROUPS {
-        next[group] = ends[group - 1];
-        ends[group] += ends[group - 1];
-    }
-    let starts = next;
+    let mut counts = [0; GROUPS];
+    groups.iter().for_each(|&g| counts[usize::from(g) % GROUPS] += 1);
+    let mut end = 0;
+    let ranges = counts.map(|count| {
+        end += count;
+        end - count..end
+    });
+    let mut next = ranges.each_ref().map(|range| range.start);
     let mut sorted = vec![0; values.len()];
     for (value, &group) in values.iter().zip(groups) {
         let place = &mut next[usize::from(group) % GROUPS];
         sorted[*place] = *value;
         *place += 1;
     }
-    let frames: [Vec<u8>; GROUPS] = std::array::from_fn(|group| {
-        let values = &sorted[starts[group]..ends[group]];
+    let frames = ranges.map(|range| {
+        let values = &sorted[range];
         if values.iter().all(|&v| v == 0) { Vec::new() } else { compress(values) }
     });
     for frame in &frames {
@@ -203,22 +217,28 @@ mod tests {
             for &k in centres.iter().chain(sides) {
                 codes[k] = codes[k].wrapping_add((k as u8) & noise);
             }
-            prop_assert_eq!(decode(&encode(&codes, &nodes), &nodes).unwrap(), codes);
+            prop_assert_eq!(&decode(&encode(&codes, &nodes, false), &nodes, false).unwrap(), &codes);
+            for (k, code) in codes.iter_mut().enumerate() {
+                if (k % TILE_NODES | k / TILE_NODES) & 1 == 0 && !(k % 256 == 0 && k / TILE_NODES % 256 == 0) {
+                    *code = (k as u8) & noise;
+                }
+            }
+            prop_assert_eq!(decode(&encode(&codes, &nodes, true), &nodes, true).unwrap(), codes);
         }
     }
 
     #[test]
     fn damage_is_refused() {
         let nodes = vec![0; NODES];
-        assert_eq!(decode(&[9, 9, 9], &nodes), Err(CodecError::Truncated));
+        assert_eq!(decode(&[9, 9, 9], &nodes, false), Err(CodecError::Truncated));
         let mut codes = vec![0; NODES];
         codes[TILE_NODES + 1] = 7;
-        let plane = encode(&codes, &nodes);
-        assert_eq!(decode(&plane, &nodes).unwrap(), codes);
-        assert_eq!(decode(&[&plane[..], &[0]].concat(), &nodes), Err(CodecError::Trailing));
-        assert!(decode(&plane[..plane.len() - 1], &nodes).is_err());
+        let plane = encode(&codes, &nodes, false);
+        assert_eq!(decode(&plane, &nodes, false).unwrap(), codes);
+        assert_eq!(decode(&[&plane[..], &[0]].concat(), &nodes, false), Err(CodecError::Trailing));
+        assert!(decode(&plane[..plane.len() - 1], &nodes, false).is_err());
         let mut frame = plane;
         frame[3 * GROUPS] ^= 0xff;
-        assert_eq!(decode(&frame, &nodes), Err(CodecError::Frame));
+        assert_eq!(decode(&frame, &nodes, false), Err(CodecError::Frame));
     }
 }
