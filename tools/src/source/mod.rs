@@ -193,8 +193,8 @@ impl SourceSet {
         source: usize,
         grid: &Grid,
         window: &NodeWindow,
-        mut visit: impl FnMut(usize, &[f32], &[u8]),
+        visit: impl FnMut(usize, &[f32], &[u8]),
     ) -> Result<(), ToolError> {
-        self.sources[source].visit(&self.options, grid, window, &mut visit)
+        self.sources[source].visit(&self.options, grid, window, visit)
     }
 }

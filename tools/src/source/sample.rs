@@ -103,7 +103,7 @@ impl Source {
         options: &SourceOptions,
         grid: &Grid,
         window: &NodeWindow,
-        visit: &mut dyn FnMut(usize, &[f32], &[u8]),
+        mut visit: impl FnMut(usize, &[f32], &[u8]),
     ) -> Result<(), ToolError> {
         let fill = options.fill == Fill::Interpolate;
         if let Mapping::Plane(place) = &self.mapping {
