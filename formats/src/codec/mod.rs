@@ -15,6 +15,8 @@ pub mod nodes;
 pub mod rans;
 pub mod residual;
 mod rows;
+mod samples;
+mod scratch;
 pub mod tables;
 pub mod token;
 
