@@ -42,7 +42,7 @@ pub(super) fn window<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
 }
 
 #[cold]
-fn last_window<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+pub(super) fn last_window<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     let mut window = [0; N];
     for (to, from) in window.iter_mut().zip(bytes.get(at..).unwrap_or_default()) {
         *to = *from;

@@ -98,7 +98,7 @@ pub fn reconstruct(means: Means<'_>, c: &[i32], h: &[i32], n: usize, v: &mut [i3
     let w = n + 1;
     // The first row and both ends of the others: differences. A damaged plane may hold anything;
     // the caller rejects samples out of range.
-    let hold = |v: i32| v.max(-SAMPLE_LIMIT - 1).min(SAMPLE_LIMIT + 1);
+    let hold = |v: i32| v.clamp(-SAMPLE_LIMIT - 1, SAMPLE_LIMIT + 1);
     for (v, r) in v.iter_mut().zip(residual).take(w) {
         *v = hold(v.wrapping_add(*r));
     }
@@ -117,7 +117,7 @@ pub fn reconstruct(means: Means<'_>, c: &[i32], h: &[i32], n: usize, v: &mut [i3
         let (sw, se, nw, ne) = (&cs[..m], &cs[1..][..m], &cn[..m], &cn[1..][..m]);
         for i in 0..m {
             let partial = 16 * mean[i] - 4 * even[i] - 2 * (hw[i] + he[i]) - (sw[i] + se[i] + nw[i] + ne[i]);
-            let prediction = v[i].max(-(1 << 28)).min(1 << 28);
+            let prediction = v[i].clamp(-(1 << 28), 1 << 28);
             v[i] = hold(unrank(zigzag(r[i]), prediction, interval(partial, south[i])));
         }
     }

@@ -32,7 +32,8 @@ impl Classes {
     /// The even samples' and the others' part of fine row `j`.
     fn row_mut<'a>(&'a mut self, even: &'a mut [i32], n: usize, j: usize) -> (&'a mut [i32], &'a mut [i32]) {
         let (k, w) = (j / 2, n + 1);
-        let (whole, half) = if j % 2 == 0 { (even, &mut self.h[..]) } else { (&mut self.v[..], &mut self.c[..]) };
+        let (whole, half) =
+            if j.is_multiple_of(2) { (even, &mut self.h[..]) } else { (&mut self.v[..], &mut self.c[..]) };
         (&mut whole[k * w..][..w], &mut half[k * n..][..n])
     }
 }
