@@ -90,12 +90,10 @@ fn code(coding: &[__m512i; BUCKETS / GROUP], activity: __m512i) -> __m512i {
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi2,bmi2,popcnt")]
 fn step(table: &[u32; 1 << 16], states: Lanes, codes: Lanes, words: __m512i, live: u32) -> (Lanes, Lanes, u32) {
     let set = |n: i32| _mm512_set1_epi32(n);
-    let entries: Lanes = [0, 1].map(|g| {
-        let slot = _mm512_or_si512(_mm512_and_si512(states[g], set(SLOTS as i32 - 1)), codes[g]);
-        let slot: [u64; GROUP / 4] = cast(_mm512_cvtepi32_epi16(slot));
-        let at = |n: usize| table[usize::from((slot[n / 4] >> (16 * (n % 4))) as u16)];
-        cast(from_fn::<u32, GROUP, _>(at))
-    });
+    let slots = _mm512_set1_epi32(SLOTS as i32 - 1);
+    let slot = |g: usize| _mm512_or_si512(_mm512_and_si512(states[g], slots), codes[g]);
+    let (a, b) = (_mm512_cvtepi32_epi16(slot(0)), _mm512_cvtepi32_epi16(slot(1)));
+    let entries: Lanes = [cast(lookup(table, cast(a))), cast(lookup(table, cast(b)))];
     let next = [0, 1].map(|g| {
         let frequency = _mm512_and_si512(_mm512_srli_epi32::<12>(entries[g]), set(0xfff));
         let offset = _mm512_and_si512(entries[g], set(0xfff));
@@ -112,6 +110,12 @@ fn step(table: &[u32; 1 << 16], states: Lanes, codes: Lanes, words: __m512i, liv
         _mm512_mask_mov_epi32(states[g], alive[g], full)
     });
     (states, entries.map(|entry| _mm512_srli_epi32::<24>(entry)), all.count_ones())
+}
+
+/// Entries of sixteen slots of 16 bits each.
+#[inline(always)]
+fn lookup(table: &[u32; 1 << 16], slots: [u64; GROUP / 4]) -> [u32; GROUP] {
+    from_fn(|n| table[usize::from((slots[n / 4] >> (16 * (n % 4))) as u16)])
 }
 
 /// What tokens stand for under their low bits: the smallest z and the raw bits to add.
