@@ -82,17 +82,18 @@ fn predict(nodes: &[i32], scratch: &mut Scratch) {
 fn smooth(nodes: &[i32], scratch: &mut Scratch) {
     const W: usize = TILE_NODES;
     let Scratch { samples, residuals, even: [even, re] } = scratch;
-    let mut pad = [[0i32; W + 4]; 5];
     let (mut p, mut a) = ([0; W], [0; W]);
+    // Row y, its ends repeated, is in slot y mod 5 while a row near it needs it.
+    let mut pad = [[0i32; W + 4]; 5];
+    for (y, row) in nodes.as_chunks::<W>().0.iter().enumerate().take(2) {
+        repeat_ends(row, &mut pad[y]);
+    }
     for j in 0..W {
-        for (k, row) in pad.iter_mut().enumerate() {
-            let y = (j + k).saturating_sub(2).min(W - 1);
-            let source = &nodes[y * W..][..W];
-            row[2..W + 2].copy_from_slice(source);
-            (row[0], row[1]) = (source[0], source[0]);
-            (row[W + 2], row[W + 3]) = (source[W - 1], source[W - 1]);
+        if let Some(row) = nodes.as_chunks::<W>().0.get(j + 2) {
+            repeat_ends(row, &mut pad[(j + 2) % 5]);
         }
-        let [ss, s, o, n, nn] = &pad;
+        let near = [j.saturating_sub(2), j.saturating_sub(1), j, (j + 1).min(W - 1), (j + 2).min(W - 1)];
+        let [ss, s, o, n, nn] = near.map(|y| &pad[y % 5]);
         for i in 0..W {
             let x = i + 2;
             let c = o[x];
@@ -105,6 +106,12 @@ fn smooth(nodes: &[i32], scratch: &mut Scratch) {
         split_row(&p, j, HALF, even, samples);
         split_row(&a, j, HALF, re, residuals);
     }
+}
+
+fn repeat_ends(row: &[i32; TILE_NODES], padded: &mut [i32; TILE_NODES + 4]) {
+    padded[2..TILE_NODES + 2].copy_from_slice(row);
+    padded[..2].fill(row[0]);
+    padded[TILE_NODES + 2..].fill(row[TILE_NODES - 1]);
 }
 
 #[cfg(test)]
