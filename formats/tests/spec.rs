@@ -21,7 +21,7 @@ fn the_worked_header_is_a_header() {
     let bytes = bytes("89 52 4c 46");
     let header = Header::decode(&bytes).expect("a header");
     assert_eq!(header.encode()[..], bytes);
-    assert_eq!((header.m, header.step_exponent, header.tile_count, header.file_bytes), (8, -4, 2, 57_920));
+    assert_eq!((header.m, header.step_exponent, header.tile_count, header.file_bytes), (8, -4, 2, 59_328));
     assert_eq!((header.south_pole_q, header.north_pole_q), (77, 77));
     let Body::Ellipsoid { a_m, b_m, .. } = header.body else { panic!("an ellipsoid") };
     assert_eq!((a_m, b_m), (6_378_137.0, 6_356_752.314_245_179));
