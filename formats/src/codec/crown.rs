@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn children_come_first() {
         let mut known: Vec<bool> =
-            (0..TILE_NODES * TILE_NODES).map(|k| (k % TILE_NODES | k / TILE_NODES) & 1 == 1).collect();
+            (0..TILE_NODES * TILE_NODES).map(|k| ((k % TILE_NODES) | (k / TILE_NODES)) & 1 == 1).collect();
         for place in places() {
             assert!(place.children().iter().filter(|c| inside(c.0, c.1)).all(|c| known[index(c.0, c.1)]));
             known[place.index()] = true;
