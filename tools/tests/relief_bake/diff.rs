@@ -1,9 +1,6 @@
 //! `relief-bake diff` as a user runs it.
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
-mod common;
-
-use common::{Body, Folder, Sample, earth, plane, wavy_q};
+use crate::common::{Body, Folder, Sample, earth, plane, wavy_q};
 use relief_formats::file::{Plane, Relief};
 use relief_formats::grid::Grid;
 use relief_formats::tile::TileKey;

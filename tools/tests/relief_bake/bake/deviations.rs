@@ -1,15 +1,12 @@
 //! Codes of deviations in a sparse file of several stages: a node is active wherever a node below
 //! it is, across tiles, levels, stages, and the seam, so that a mesh of longest-edge bisection closes.
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
-
-mod common;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use common::Folder;
-use common::rasters::Raster;
+use crate::common::Folder;
+use crate::common::rasters::Raster;
 use relief_formats::file::Relief;
 use relief_formats::grid::Grid;
 use relief_formats::tile::{TILE_NODES, TileKey};

@@ -1,16 +1,13 @@
 //! What cannot be baked is refused with the file, the value, the rule and the remedy, and exit
 //! code 2; the folder is then as it was.
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
-
-mod common;
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use common::rasters::Raster;
-use common::{Folder, data};
+use crate::common::rasters::Raster;
+use crate::common::{Folder, data};
 use gdal::raster::RasterCreationOptions;
 use gdal::{Dataset, DriverManager, Metadata as _};
 
@@ -27,7 +24,7 @@ fn refused_as(folder: &Folder, output: &Path, source: impl AsRef<OsStr>, options
     let mut arguments: Vec<&OsStr> = ["bake", "--quiet", "-o"].map(OsStr::new).into();
     arguments.extend([output.as_os_str(), source.as_ref()]);
     arguments.extend(options.iter().map(OsStr::new));
-    let run = common::run(&arguments, None);
+    let run = crate::common::run(&arguments, None);
     run.refused(&[words, &["rule:"]].concat());
     unchanged(folder, &before);
 }

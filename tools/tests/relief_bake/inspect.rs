@@ -1,9 +1,6 @@
 //! `relief-bake inspect` as a user runs it.
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
-mod common;
-
-use common::{Folder, earth, plane};
+use crate::common::{Folder, earth, plane};
 
 #[test]
 fn json_has_the_promised_keys_and_values() {

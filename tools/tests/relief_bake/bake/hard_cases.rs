@@ -1,15 +1,12 @@
 //! Sources that trap a bake: seams, poles, units, voids, spikes, regions on a globe. Each file is
 //! valid and holds the heights it should.
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
-
-mod common;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use common::oracle::Question;
-use common::rasters::Raster;
-use common::{Folder, Value, data};
+use crate::common::oracle::Question;
+use crate::common::rasters::Raster;
+use crate::common::{Folder, Value, data};
 use gdal::Dataset;
 
 const ELLIPSOID: &str = "--vertical=ellipsoid";
@@ -21,7 +18,7 @@ fn bake(folder: &Folder, sources: &[&Path], options: &[&str]) -> PathBuf {
     arguments.push(file.as_os_str());
     arguments.extend(sources.iter().map(|source| source.as_os_str()));
     arguments.extend(options.iter().map(OsStr::new));
-    let run = common::run(&arguments, None);
+    let run = crate::common::run(&arguments, None);
     assert_eq!(run.code, 0, "{sources:?}: {}", run.stderr);
     let found = relief_bake!("validate", file, "--quiet");
     assert_eq!(found.code, 0, "{sources:?}: {}{}", found.stdout, found.stderr);

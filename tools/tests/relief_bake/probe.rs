@@ -1,20 +1,17 @@
 //! `relief-bake probe` as a user runs it.
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
-
-mod common;
 
 use std::ffi::OsStr;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use common::{Folder, Value, earth, plane, wavy_q};
+use crate::common::{Folder, Value, earth, plane, wavy_q};
 use relief_formats::grid::Grid;
 
 fn lines(file: &Path, more: &[&str], stdin: &str) -> (i32, Vec<Value>) {
     let mut arguments = vec![OsStr::new("probe"), file.as_os_str(), OsStr::new("-")];
     arguments.extend(more.iter().map(OsStr::new));
-    let run = common::run(&arguments, Some(stdin));
+    let run = crate::common::run(&arguments, Some(stdin));
     assert!(run.stderr.is_empty(), "{}", run.stderr);
     (run.code, run.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect())
 }

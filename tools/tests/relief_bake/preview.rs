@@ -1,11 +1,8 @@
 //! `relief-bake preview` as a user runs it.
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
-
-mod common;
 
 use std::path::Path;
 
-use common::{Folder, Sample, earth, plane};
+use crate::common::{Folder, Sample, earth, plane};
 
 struct Picture {
     width: usize,

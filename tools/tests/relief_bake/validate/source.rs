@@ -11,8 +11,8 @@ use relief_tools::bake::{BakeOptions, bake};
 use relief_tools::source::{SourceOptions, Vertical};
 use relief_tools::validate::{Against, Check, Level, Options, Report, validate};
 
-use crate::assert_only;
-use crate::build::Folder;
+use super::assert_only;
+use super::build::Folder;
 
 /// A GeoTIFF of n x n/2 cells over `bounds` (west, south, east, north).
 fn tif(

@@ -8,8 +8,8 @@ use relief_formats::tile::TileKey;
 use relief_front::error::ToolError;
 use relief_tools::validate::{Check, Level, Options, validate};
 
-use crate::build::{Folder, Parts, World};
-use crate::{assert_only, report, report_on};
+use super::build::{Folder, Parts, World};
+use super::{assert_only, report, report_on};
 
 /// Flat but for one bump, so that the file is a few kilobytes.
 fn small() -> World {

@@ -1,12 +1,9 @@
 //! `relief-bake report` as a user runs it.
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
-
-mod common;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use common::Folder;
+use crate::common::Folder;
 use gdal::DriverManager;
 use gdal::raster::Buffer;
 use gdal::spatial_ref::SpatialRef;

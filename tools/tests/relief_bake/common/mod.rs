@@ -1,10 +1,8 @@
 //! The built program, run on small files.
-#![allow(dead_code, unused_imports, reason = "each test program uses a part of this")]
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 pub mod oracle;
 pub mod rasters;
-#[path = "../../../tests/support/sample_file.rs"]
+#[path = "../../../../tests/support/sample_file.rs"]
 pub mod sample_file;
 
 use std::io::Write as _;
@@ -83,10 +81,9 @@ impl Run {
 }
 
 /// Runs the program with arguments of any kind.
-#[macro_export]
 macro_rules! relief_bake {
     ($($argument:expr),* $(,)?) => {
-        common::run(&[$(std::ffi::OsStr::new(&$argument)),*], None)
+        $crate::common::run(&[$(std::ffi::OsStr::new(&$argument)),*], None)
     };
 }
 
@@ -115,7 +112,6 @@ pub fn earth(m: u32) -> Sample {
 
 /// A plane with spacing 30 x 20 from (500000, 4000000) in UTM zone 11 N.
 pub fn plane(m: u32) -> Sample {
-    let crs_wkt =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/common/utm11.wkt")).unwrap();
+    let crs_wkt = include_str!("utm11.wkt").to_owned();
     Sample::new(Body::Plane { crs_wkt, x0: 500_000.0, y0: 4_000_000.0, dx: 30.0, dy: 20.0 }, m)
 }

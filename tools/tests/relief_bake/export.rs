@@ -1,11 +1,8 @@
 //! `relief-bake export` as a user runs it; the GeoTIFFs are read back through GDAL.
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
-
-mod common;
 
 use std::path::Path;
 
-use common::{Folder, Sample, earth, plane, wavy_q};
+use crate::common::{Folder, Sample, earth, plane, wavy_q};
 use gdal::{Dataset, Metadata as _};
 use relief_formats::body::Body;
 use relief_formats::grid::Grid;
@@ -179,7 +176,7 @@ fn the_mesh_is_a_glb() {
             (&b"glTF"[..], u32::from_le_bytes(bytes[8..12].try_into().unwrap()))
         );
         let json_bytes = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-        let document: common::Value = serde_json::from_slice(&bytes[20..20 + json_bytes]).unwrap();
+        let document: crate::common::Value = serde_json::from_slice(&bytes[20..20 + json_bytes]).unwrap();
         assert_eq!(document["images"][0]["mimeType"], "image/png");
         assert!(run.stdout.contains("vertices"), "{}", run.stdout);
     }

@@ -5,8 +5,8 @@ use relief_formats::codec::nodes::HALF;
 use relief_formats::tile::{TILE_NODES, TileKey};
 use relief_tools::validate::{Check, Level, Report};
 
-use crate::build::{Folder, Tiles, World, hills};
-use crate::{assert_only, report, report_on};
+use super::build::{Folder, Tiles, World, hills};
+use super::{assert_only, report, report_on};
 
 #[test]
 fn right_files_have_no_findings() {
@@ -104,7 +104,7 @@ fn a_plane_repeats_its_edge() {
     let folder = Folder::new();
     let path = folder.path("x.relief");
     corner.write(&path, &World::plane(8).tiles());
-    assert_only(&crate::report(&path, Level::Semantic), &[Check::PlaneEdges]);
+    assert_only(&super::report(&path, Level::Semantic), &[Check::PlaneEdges]);
 }
 
 #[test]
@@ -191,7 +191,7 @@ fn a_wrong_mesh_is_named() {
 
 #[test]
 fn planes_are_decoded_and_compared() {
-    use crate::build::Parts;
+    use super::build::Parts;
     use relief_formats::file::Plane;
     use relief_formats::file::index::{ENTRY_BYTES, Entry};
     use relief_formats::file::section::{INDEX, MESH, TILES};

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use relief_formats::tile::TileKey;
 use relief_tools::validate::Check;
 
-use crate::build::{Folder, World};
+use super::build::{Folder, World};
 
 fn run(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_relief-bake")).arg("validate").args(arguments).output().unwrap()

@@ -1,13 +1,10 @@
 //! The same bytes whatever the threads, in one go or resumed after a kill; memory within its bound.
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
-
-mod common;
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{Folder, Value, data};
+use crate::common::{Folder, Value, data};
 
 /// Length of a work file that holds its head and no block.
 const HEAD_BYTES: u64 = 48;

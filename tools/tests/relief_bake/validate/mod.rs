@@ -1,16 +1,9 @@
 //! `relief-bake validate` on files that are right, and on files that break each of its rules.
 
-#![allow(clippy::unwrap_used, reason = "what goes wrong in a test's own set-up may end it")]
-
-#[path = "validate/build.rs"]
 mod build;
-#[path = "validate/command.rs"]
 mod command;
-#[path = "validate/container.rs"]
 mod container;
-#[path = "validate/samples.rs"]
 mod samples;
-#[path = "validate/source.rs"]
 mod source;
 
 use std::path::Path;

@@ -1,14 +1,11 @@
 //! Every file of the test data, baked: each level-0 node is within half a step plus 1 mm of an
 //! independent f64 resampler, and its fill flag is right.
-#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
-
-mod common;
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
-use common::oracle::Question;
-use common::{Folder, data};
+use crate::common::oracle::Question;
+use crate::common::{Folder, data};
 
 const WORLD: [&str; 1] = ["--bounds=-180,-90,180,90"];
 const ON_ELLIPSOID: [&str; 2] = ["--vertical", "ellipsoid"];
@@ -19,7 +16,7 @@ fn bake(folder: &Folder, source: &str, kernel: &str, options: &[&[&str]]) -> Pat
     let mut arguments: Vec<&OsStr> = ["bake", "--quiet", "--resample", kernel, "-o"].map(OsStr::new).into();
     arguments.extend([file.as_os_str(), source.as_os_str()]);
     arguments.extend(options.concat().into_iter().map(OsStr::new));
-    let run = common::run(&arguments, None);
+    let run = crate::common::run(&arguments, None);
     assert_eq!(run.code, 0, "{}", run.stderr);
     file
 }
