@@ -16,8 +16,6 @@ mod page_set;
 mod paper;
 mod planet;
 mod promises;
-#[path = "../../../tests/support/sample_file.rs"]
-mod sample_file;
 mod scene;
 mod views;
 mod virtual_cells;

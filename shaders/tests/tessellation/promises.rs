@@ -3,6 +3,7 @@
 use relief_formats::body::Body;
 use relief_formats::file::Relief;
 use relief_formats::grid::Grid;
+use relief_tests::sample_file::{Sample, wavy_q};
 
 use super::camera::Camera;
 use super::checks::{bounded, position_error, watertight};
@@ -10,7 +11,6 @@ use super::file_pages::of_file;
 use super::nested::orphans;
 use super::page_set::{Fault, PageSet};
 use super::planet::{Ground, TestPlanet, hash};
-use super::sample_file::{Sample, wavy_q};
 use super::scene::Scene;
 use super::views::{hard, random};
 

@@ -4,6 +4,7 @@ use crate::common::{Body, Folder, Sample, earth, plane, wavy_q};
 use relief_formats::file::{Plane, Relief};
 use relief_formats::grid::Grid;
 use relief_formats::tile::TileKey;
+use relief_tests::png::decode;
 
 /// Node (301, 203), in tile (1, 0) of level 0, is 3 m higher.
 fn one_node_higher(grid: Grid, i: u32, j: u32) -> i32 {
@@ -120,11 +121,8 @@ fn a_map_shows_where() {
     let b = folder.sample("b.relief", &Sample { q: one_node_higher, ..earth(9) });
     let out = folder.path("d.png");
     assert_eq!(relief_bake!("diff", a, b, "--png", out).code, 1);
-    let file = std::io::BufReader::new(std::fs::File::open(&out).unwrap());
-    let mut reader = png::Decoder::new(file).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut pixels).unwrap();
-    assert_eq!((info.width, info.height), (1024, 512 + 34));
+    let (width, height, 3, pixels) = decode(&std::fs::read(&out).unwrap()) else { panic!("not RGB") };
+    assert_eq!((width, height), (1024, 512 + 34));
     let at = |x: usize, y: usize| &pixels[3 * (y * 1024 + x)..][..3];
     let [neutral, higher] = [at(10, 10), at(301, 511 - 203)];
     assert!(neutral.iter().all(|&c| c > 240), "{neutral:?}");

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use relief_tests::png::decode;
+
 use crate::common::{Folder, Sample, earth, plane};
 
 struct Picture {
@@ -12,12 +14,8 @@ struct Picture {
 
 impl Picture {
     fn read(path: &Path) -> Self {
-        let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
-        let mut reader = png::Decoder::new(file).read_info().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut pixels).unwrap();
-        assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
-        Self { width: info.width as usize, height: info.height as usize, pixels }
+        let (width, height, 3, pixels) = decode(&std::fs::read(path).unwrap()) else { panic!("not RGB") };
+        Self { width: width as usize, height: height as usize, pixels }
     }
 
     fn at(&self, x: usize, y: usize) -> [u8; 3] {

@@ -3,9 +3,9 @@
 use std::ffi::OsStr;
 use std::io::Write as _;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
-use crate::common::{Folder, Value, earth, plane, wavy_q};
+use crate::common::{Folder, Value, earth, plane, program, wavy_q};
 use relief_formats::grid::Grid;
 
 fn lines(file: &Path, more: &[&str], stdin: &str) -> (i32, Vec<Value>) {
@@ -96,7 +96,7 @@ fn what_cannot_be_asked_is_refused() {
 fn a_reader_that_leaves_is_no_error() {
     let folder = Folder::new();
     let file = folder.sample("a.relief", &earth(8));
-    let mut child = Command::new(env!("CARGO_BIN_EXE_relief-bake"))
+    let mut child = program()
         .args([OsStr::new("probe"), file.as_os_str(), OsStr::new("-")])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

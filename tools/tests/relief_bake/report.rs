@@ -4,9 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::common::Folder;
-use gdal::DriverManager;
-use gdal::raster::Buffer;
-use gdal::spatial_ref::SpatialRef;
+use crate::common::rasters::Raster;
 
 const NX: usize = 360;
 const NY: usize = 180;
@@ -20,14 +18,7 @@ fn smooth_m(lon_deg: f64, lat_deg: f64) -> f64 {
 /// A raster of 1 degree pixels.
 fn globe(folder: &Folder) -> PathBuf {
     let path = folder.path("globe.tif");
-    let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
-    let mut dataset = driver.create_with_band_type::<f32, _>(&path, NX, NY, 1).unwrap();
-    dataset.set_geo_transform(&[-180.0, 1.0, 0.0, 90.0, 0.0, -1.0]).unwrap();
-    dataset.set_spatial_ref(&SpatialRef::from_epsg(4326).unwrap()).unwrap();
-    let heights_m: Vec<f32> =
-        (0..NX * NY).map(|at| smooth_m((at % NX) as f64 - 179.5, 89.5 - (at / NX) as f64) as f32).collect();
-    let mut buffer = Buffer::new((NX, NY), heights_m);
-    dataset.rasterband(1).unwrap().write((0, 0), (NX, NY), &mut buffer).unwrap();
+    Raster::world(NX).write(&path, |x, y| smooth_m(x as f64 - 179.5, 89.5 - y as f64) as f32);
     path
 }
 

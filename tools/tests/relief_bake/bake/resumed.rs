@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{Folder, Value, data};
+use crate::common::{Folder, Run, Value, data, program};
 
 /// Length of a work file that holds its head and no block.
 const HEAD_BYTES: u64 = 48;
@@ -32,7 +32,7 @@ impl Bake<'_> {
     }
 
     fn command(&self, more: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_relief-bake"));
+        let mut command = program();
         command.args(["bake", "--json", "--quiet", "-o"]).arg(self.output()).arg(&self.source);
         command.args(self.options).args(more).stdout(Stdio::piped()).stderr(Stdio::piped());
         command
@@ -40,12 +40,11 @@ impl Bake<'_> {
 
     /// Runs to the end: what was printed, and the file, which is taken away.
     fn bytes(&self, more: &[&str]) -> (Value, Vec<u8>) {
-        let done = self.command(more).output().unwrap();
-        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let report = Run::of(&mut self.command(more), "").json(0);
         assert_eq!(self.folder.names(), ["a.relief"]);
         let bytes = std::fs::read(self.output()).unwrap();
         std::fs::remove_file(self.output()).unwrap();
-        (serde_json::from_slice(&done.stdout).unwrap(), bytes)
+        (report, bytes)
     }
 
     /// Starts, and ends the process with a signal once the work file holds more than one block.
@@ -164,12 +163,8 @@ fn ctrl_c_says_how_to_go_on() {
         std::thread::sleep(Duration::from_millis(1));
     }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    for word in ["interrupted", "rule:", "remedy:", "--resume"] {
-        assert!(message.contains(word), "{message}");
-    }
+    let run = Run::from(child.wait_with_output().unwrap());
+    run.refused(&["interrupted", "rule:", "--resume"]);
     assert!(!bake.output().exists());
 }
 

@@ -1,15 +1,17 @@
 //! The command itself: exit codes, JSON, JUnit.
 
+use std::ffi::OsStr;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use relief_formats::tile::TileKey;
 use relief_tools::validate::Check;
 
-use super::build::{Folder, World};
+use super::world::World;
+use crate::common::{Folder, Run};
 
-fn run(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_relief-bake")).arg("validate").args(arguments).output().unwrap()
+fn run(arguments: &[&str]) -> Run {
+    let arguments: Vec<&OsStr> = ["validate"].iter().chain(arguments).map(OsStr::new).collect();
+    crate::common::run(&arguments, None)
 }
 
 fn text(path: &Path) -> &str {
@@ -20,18 +22,18 @@ fn text(path: &Path) -> &str {
 fn exit_codes_and_what_is_printed() {
     let folder = Folder::new();
     let world = World::new(8);
-    let (good, _) = folder.good(&world);
+    let (good, _) = world.good(&folder);
     let output = run(&[text(&good)]);
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
-    assert!(String::from_utf8_lossy(&output.stdout).ends_with("good (semantic)\n"));
+    assert_eq!(output.code, 0, "{output:?}");
+    assert!(output.stdout.ends_with("good (semantic)\n"));
 
     let mut tiles = world.tiles();
     tiles.get_mut(&TileKey::new(0, 0, 0)).unwrap().nodes[33 * 257 + 256] += 3;
     let torn = folder.path("torn.relief");
     world.write(&torn, &tiles);
     let output = run(&[text(&torn), "--quiet"]);
-    assert_eq!(output.status.code(), Some(1), "{output:?}");
-    assert!(String::from_utf8_lossy(&output.stdout).starts_with("RLF-N001 error: "), "{output:?}");
+    assert_eq!(output.code, 1, "{output:?}");
+    assert!(output.stdout.starts_with("RLF-N001 error: "), "{output:?}");
 
     for arguments in [
         &[text(&folder.path("none.relief"))][..],
@@ -41,7 +43,7 @@ fn exit_codes_and_what_is_printed() {
         &[text(&good), "--memory", "much"],
     ] {
         let output = run(arguments);
-        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert_eq!(output.code, 2, "{output:?}");
         assert!(!output.stderr.is_empty() && output.stdout.is_empty(), "{output:?}");
     }
 }
@@ -55,7 +57,7 @@ fn json_and_junit_name_the_place() {
     let (torn, xml) = (folder.path("torn.relief"), folder.path("out.xml"));
     world.write(&torn, &tiles);
     let output = run(&[text(&torn), "--json", "--junit", text(&xml), "--quiet"]);
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&output.stdout).unwrap();
     assert_eq!((json["good"].as_bool(), json["level"].as_str()), (Some(false), Some("semantic")));
     assert_eq!(json["content_id"].as_str().unwrap().len(), 64);
     assert_eq!(json["counts"]["RLF-N001"], 1);
@@ -74,7 +76,7 @@ fn json_and_junit_name_the_place() {
 
 #[test]
 fn help_lists_every_code() {
-    let help = String::from_utf8(run(&["--help"]).stdout).unwrap();
+    let help = run(&["--help"]).stdout;
     for check in Check::ALL {
         assert!(help.contains(check.code()), "{}", check.code());
     }

@@ -8,8 +8,10 @@ use relief_formats::tile::TileKey;
 use relief_front::error::ToolError;
 use relief_tools::validate::{Check, Level, Options, validate};
 
-use super::build::{Folder, Parts, World};
+use super::parts::Parts;
+use super::world::World;
 use super::{assert_only, report, report_on};
+use crate::common::Folder;
 
 /// Flat but for one bump, so that the file is a few kilobytes.
 fn small() -> World {
@@ -19,7 +21,7 @@ fn small() -> World {
 #[test]
 fn every_flipped_byte_is_found() {
     let folder = Folder::new();
-    let (_, bytes) = folder.good(&small());
+    let (_, bytes) = small().good(&folder);
     assert!(bytes.len() < 20_000, "{}", bytes.len());
     for at in 0..bytes.len() {
         let mut bad = bytes.clone();
@@ -32,7 +34,7 @@ fn every_flipped_byte_is_found() {
 #[test]
 fn every_cut_is_found() {
     let folder = Folder::new();
-    let (_, bytes) = folder.good(&small());
+    let (_, bytes) = small().good(&folder);
     for length in (0..bytes.len()).filter(|n| n % 17 == 0 || *n < 400 || *n + 200 > bytes.len()) {
         let report = report_on(&folder, &bytes[..length], Level::Structure);
         assert!(!report.good, "cut to {length}");
@@ -53,7 +55,7 @@ fn what_is_no_relief_file_could_not_be_run_on() {
         assert!(matches!(refused(&path), ToolError::File { error: FormatError::NotRelief(_), .. }), "{text:?}");
     }
     // A newer version is not damage either, if its checksum says that it is meant.
-    let (path, mut bytes) = folder.good(&small());
+    let (path, mut bytes) = small().good(&folder);
     bytes[8] = 9;
     let hash = *blake3::hash(&bytes[..224]).as_bytes();
     bytes[224..256].copy_from_slice(&hash);
@@ -64,7 +66,7 @@ fn what_is_no_relief_file_could_not_be_run_on() {
 #[test]
 fn damage_to_the_frame_has_its_own_code() {
     let folder = Folder::new();
-    let (path, bytes) = folder.good(&small());
+    let (path, bytes) = small().good(&folder);
     assert_only(&report(&path, Level::Semantic), &[]);
     let flipped = |at: usize| {
         let mut bad = bytes.clone();
@@ -95,7 +97,7 @@ fn damage_to_the_frame_has_its_own_code() {
 #[test]
 fn sections_must_be_there_once_and_in_canonical_rows() {
     let folder = Folder::new();
-    let (_, bytes) = folder.good(&small());
+    let (_, bytes) = small().good(&folder);
     let parts = || Parts::of(&bytes);
     let structure = |bytes: &[u8]| report_on(&folder, bytes, Level::Structure);
     assert_only(&structure(&parts().seal()), &[]);
@@ -114,7 +116,7 @@ fn sections_must_be_there_once_and_in_canonical_rows() {
 #[test]
 fn metadata_must_be_canonical_and_agree_with_the_header() {
     let folder = Folder::new();
-    let (_, bytes) = folder.good(&small());
+    let (_, bytes) = small().good(&folder);
     let changed = |from: &str, to: &str| {
         let mut parts = Parts::of(&bytes);
         let text = String::from_utf8(parts.body(META).clone()).unwrap();
@@ -155,7 +157,7 @@ fn with_index(bytes: &[u8], change: impl Fn(&mut Vec<Entry>), odd: impl Fn(&mut 
 #[test]
 fn every_rule_of_the_index() {
     let folder = Folder::new();
-    let (_, bytes) = folder.good(&World::new(9));
+    let (_, bytes) = World::new(9).good(&folder);
     let run =
         |change: &dyn Fn(&mut Vec<Entry>)| report_on(&folder, &with_index(&bytes, change, |_| ()), Level::Structure);
     assert_only(&run(&|_| ()), &[]);
@@ -205,7 +207,7 @@ fn the_tree_of_tiles_is_whole() {
 #[test]
 fn a_false_identity_is_found() {
     let folder = Folder::new();
-    let (_, bytes) = folder.good(&small());
+    let (_, bytes) = small().good(&folder);
     let mut parts = Parts::of(&bytes);
     parts.header.content_id[5] ^= 1;
     assert_only(&report_on(&folder, &parts.seal(), Level::Checksum), &[Check::ContentId]);
@@ -214,7 +216,7 @@ fn a_false_identity_is_found() {
 #[test]
 fn what_no_reader_opens_is_found() {
     let folder = Folder::new();
-    let (_, bytes) = folder.good(&small());
+    let (_, bytes) = small().good(&folder);
     let mut parts = Parts::of(&bytes);
     parts.header.tile_count += 1;
     assert_only(&report_on(&folder, &parts.seal(), Level::Semantic), &[Check::Openable]);

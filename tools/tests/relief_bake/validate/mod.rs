@@ -1,14 +1,17 @@
 //! `relief-bake validate` on files that are right, and on files that break each of its rules.
 
-mod build;
 mod command;
 mod container;
+mod parts;
 mod samples;
 mod source;
+mod world;
 
 use std::path::Path;
 
 use relief_tools::validate::{Check, Level, Options, Report, validate};
+
+use crate::common::Folder;
 
 /// Validates down to a level.
 fn report(path: &Path, level: Level) -> Report {
@@ -16,7 +19,7 @@ fn report(path: &Path, level: Level) -> Report {
 }
 
 /// Validates bytes down to a level.
-fn report_on(folder: &build::Folder, bytes: &[u8], level: Level) -> Report {
+fn report_on(folder: &Folder, bytes: &[u8], level: Level) -> Report {
     let path = folder.path("x.relief");
     std::fs::write(&path, bytes).unwrap();
     report(&path, level)

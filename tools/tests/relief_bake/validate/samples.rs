@@ -5,8 +5,9 @@ use relief_formats::codec::nodes::HALF;
 use relief_formats::tile::{TILE_NODES, TileKey};
 use relief_tools::validate::{Check, Level, Report};
 
-use super::build::{Folder, Tiles, World, hills};
+use super::world::{Tiles, World, hills};
 use super::{assert_only, report, report_on};
+use crate::common::Folder;
 
 #[test]
 fn right_files_have_no_findings() {
@@ -191,13 +192,13 @@ fn a_wrong_mesh_is_named() {
 
 #[test]
 fn planes_are_decoded_and_compared() {
-    use super::build::Parts;
+    use super::parts::Parts;
     use relief_formats::file::Plane;
     use relief_formats::file::index::{ENTRY_BYTES, Entry};
     use relief_formats::file::section::{INDEX, MESH, TILES};
     let folder = Folder::new();
     let world = World { filled: |x, y| x % 512 > 300 && y % 7 == 0, ..World::new(9) };
-    let (_, bytes) = folder.good(&world);
+    let (_, bytes) = world.good(&folder);
     let with = |change: &dyn Fn(&mut Entry, &mut Vec<u8>)| {
         let mut parts = Parts::of(&bytes);
         let mut tiles = parts.body(TILES).clone();

@@ -3,16 +3,14 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use gdal::DriverManager;
-use gdal::raster::Buffer;
-use gdal::spatial_ref::SpatialRef;
 use relief_formats::mesh::MeshLayout;
 use relief_tools::bake::{BakeOptions, bake};
 use relief_tools::source::{SourceOptions, Vertical};
 use relief_tools::validate::{Against, Check, Level, Options, Report, validate};
 
 use super::assert_only;
-use super::build::Folder;
+use crate::common::Folder;
+use crate::common::rasters::Raster;
 
 /// A GeoTIFF of n x n/2 cells over `bounds` (west, south, east, north).
 fn tif(
@@ -21,15 +19,9 @@ fn tif(
     [west, south, east, north]: [f64; 4],
     value: impl Fn(usize, usize) -> f32,
 ) -> String {
-    let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
-    let mut dataset = driver.create_with_band_type::<f32, _>(path, nx, ny, 1).unwrap();
     let (dx, dy) = ((east - west) / nx as f64, (north - south) / ny as f64);
-    dataset.set_geo_transform(&[west, dx, 0.0, north, 0.0, -dy]).unwrap();
-    dataset.set_spatial_ref(&SpatialRef::from_epsg(4326).unwrap()).unwrap();
-    let mut band = dataset.rasterband(1).unwrap();
-    band.set_no_data_value(Some(-9999.0)).unwrap();
-    let pixels = (0..nx * ny).map(|at| value(at % nx, at / nx)).collect();
-    band.write((0, 0), (nx, ny), &mut Buffer::new((nx, ny), pixels)).unwrap();
+    let transform = Some([west, dx, 0.0, north, 0.0, -dy]);
+    Raster { size: (nx, ny), transform, nodata: Some(-9999.0), ..Raster::world(nx) }.write(path, value);
     path.to_str().unwrap().into()
 }
 

@@ -31,9 +31,13 @@ pub fn wavy_q(grid: Grid, i: u32, j: u32) -> i32 {
 
 /// What a file of [`Sample::write`] holds.
 pub struct Sample {
+    /// The body, or the plane's place.
     pub body: Body,
+    /// Level 0 has 2^m rows of cells.
     pub m: u32,
+    /// Binary logarithm of the step in metres.
     pub step_exponent: i8,
+    /// How voids were filled, in words.
     pub fill: &'static str,
     /// Height in steps of node (i, j) of level 0.
     pub q: fn(Grid, u32, u32) -> i32,
@@ -44,6 +48,7 @@ pub struct Sample {
 }
 
 impl Sample {
+    /// Waves in steps of 2^-4 m, whole.
     pub fn new(body: Body, m: u32) -> Self {
         Self { body, m, step_exponent: -4, fill: "none", q: wavy_q, filled: |_, _| false, absent: |_| false }
     }
@@ -75,17 +80,7 @@ impl Sample {
             versions: [("test".to_owned(), "1".to_owned())].into(),
         };
         let mesh = encode_section(&patch_mesh(&self.body, &grid, MeshLayout::Aligned));
-        let entries: Vec<Entry> = tiles
-            .iter()
-            .map(|tile| Entry {
-                key: tile.key,
-                offset: 0,
-                lengths: std::array::from_fn(|k| tile.planes[k].len() as u32),
-                min_q: tile.min_q,
-                max_q: tile.max_q,
-                digests: tile.digests,
-            })
-            .collect();
+        let entries: Vec<Entry> = tiles.iter().map(|tile| tile.entry(0)).collect();
         let (far_i, far_j) = on_map(grid, core.x1(), core.y1());
         let spec = FileSpec {
             body: &self.body,

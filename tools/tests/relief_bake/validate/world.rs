@@ -1,4 +1,4 @@
-//! Small files made here, whole and right or wrong on purpose.
+//! Small files made here, whole, with planes that are right or wrong on purpose.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -7,14 +7,14 @@ use relief_formats::body::Body;
 use relief_formats::codec::nodes::{HALF, quarter};
 use relief_formats::derive::extremes::Extremes;
 use relief_formats::derive::{Base, Field, Window, derive_block, padding};
-use relief_formats::file::header::HEADER_BYTES;
-use relief_formats::file::section::{ROW_BYTES, Section};
-use relief_formats::file::writer::{FileSpec, TAIL_BYTES, tail, write};
+use relief_formats::file::writer::{FileSpec, write};
 use relief_formats::file::{Entry, Header, Metadata};
 use relief_formats::grid::Grid;
 use relief_formats::mesh::{self, MeshLayout, PatchMesh, patch_mesh};
 use relief_formats::tile::{TILE_NODES, TileKey};
 use relief_formats::tile_planes::{TileSamples, encode};
+
+use crate::common::Folder;
 
 /// A file in the making: a whole planet of the given m, in steps of 1/4 m.
 pub struct World {
@@ -202,17 +202,7 @@ impl World {
                 })
             })
             .collect();
-        let entries: Vec<Entry> = encoded
-            .iter()
-            .map(|tile| Entry {
-                key: tile.key,
-                offset: 0,
-                lengths: std::array::from_fn(|k| tile.planes[k].len() as u32),
-                min_q: tile.min_q,
-                max_q: tile.max_q,
-                digests: tile.digests,
-            })
-            .collect();
+        let entries: Vec<Entry> = encoded.iter().map(|tile| tile.entry(0)).collect();
         let (w, h) = (grid.width(0), grid.height(0));
         let corner = |x: u32, y: u32| (self.height)(x, y, h);
         let (south_pole_q, north_pole_q) = match grid.plane {
@@ -235,78 +225,12 @@ impl World {
         })
         .unwrap()
     }
-}
 
-/// A folder for one test's files.
-pub struct Folder(tempfile::TempDir);
-
-impl Folder {
-    pub fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// A right file and its bytes.
-    pub fn good(&self, world: &World) -> (PathBuf, Vec<u8>) {
-        let path = self.path("good.relief");
-        world.write(&path, &world.tiles());
+    /// A right file in a folder, and its bytes.
+    pub fn good(&self, folder: &Folder) -> (PathBuf, Vec<u8>) {
+        let path = folder.path("good.relief");
+        self.write(&path, &self.tiles());
         let bytes = std::fs::read(&path).unwrap();
         (path, bytes)
-    }
-}
-
-/// A file taken apart; `seal` puts it together with every checksum right again.
-pub struct Parts {
-    pub header: Header,
-    pub sections: Vec<Section>,
-    pub bodies: Vec<Vec<u8>>,
-}
-
-impl Parts {
-    pub fn of(bytes: &[u8]) -> Self {
-        let header = Header::decode(bytes).unwrap();
-        let rows = header.section_count as usize * ROW_BYTES;
-        let table = &bytes[HEADER_BYTES..HEADER_BYTES + rows];
-        let end = (bytes.len() - TAIL_BYTES) as u64;
-        let sections = Section::decode_table(table, (HEADER_BYTES + rows) as u64, end).unwrap();
-        let bodies =
-            sections.iter().map(|s| bytes[s.offset as usize..(s.offset + s.length) as usize].to_vec()).collect();
-        Self { header, sections, bodies }
-    }
-
-    pub fn body(&mut self, kind: [u8; 4]) -> &mut Vec<u8> {
-        let at = self.sections.iter().position(|section| section.kind == kind).unwrap();
-        &mut self.bodies[at]
-    }
-
-    /// The bytes, with `odd(row)` as last word on the section table.
-    pub fn seal_with(mut self, odd: impl Fn(&mut Vec<Section>), rows_odd: impl Fn(&mut Vec<u8>)) -> Vec<u8> {
-        let count = self.sections.len();
-        let mut bytes = vec![0; HEADER_BYTES + count * ROW_BYTES];
-        for (section, body) in self.sections.iter_mut().zip(&self.bodies) {
-            bytes.resize(bytes.len().next_multiple_of(64), 0);
-            section.offset = bytes.len() as u64;
-            section.length = body.len() as u64;
-            section.hash = *blake3::hash(body).as_bytes();
-            bytes.extend_from_slice(body);
-        }
-        bytes.resize(bytes.len().next_multiple_of(64), 0);
-        odd(&mut self.sections);
-        let mut rows: Vec<u8> = self.sections.iter().flat_map(Section::encode).collect();
-        rows_odd(&mut rows);
-        self.header.section_count = self.sections.len() as u32;
-        self.header.table_hash = *blake3::hash(&rows).as_bytes();
-        self.header.file_bytes = (bytes.len() + TAIL_BYTES) as u64;
-        bytes[HEADER_BYTES..HEADER_BYTES + rows.len()].copy_from_slice(&rows);
-        bytes[..HEADER_BYTES].copy_from_slice(&self.header.encode());
-        bytes.extend_from_slice(&tail(&self.header));
-        bytes
-    }
-
-    pub fn seal(self) -> Vec<u8> {
-        self.seal_with(|_| (), |_| ())
     }
 }
