@@ -3,6 +3,6 @@
 //! cameras and the check of edges are those of scheme `leb`.
 
 mod cover;
-mod gpu;
 mod kernels;
+mod on_gpu;
 mod promises;

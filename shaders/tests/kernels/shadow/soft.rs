@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use relief_shaders::oracle::World;
 use relief_shaders::shadow::shadow_exact;
 
-use crate::compare::{Random, ray_count, rays, sun};
-use crate::worlds::{dense, earth, fractal_globe, fractal_plane, moon, planet, real_earth};
+use crate::shadow::compare::{Random, ray_count, rays, sun};
+use crate::shadow::worlds::{dense, earth, fractal_globe, fractal_plane, moon, planet, real_earth};
 
 const RADIUS_RAD: f64 = 0.004_653_1;
 

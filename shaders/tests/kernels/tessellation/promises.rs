@@ -9,10 +9,11 @@ use super::camera::Camera;
 use super::checks::{bounded, position_error, watertight};
 use super::file_pages::of_file;
 use super::nested::orphans;
-use super::page_set::{Fault, PageSet};
+use super::page_set::Fault;
 use super::planet::{Ground, TestPlanet, hash};
 use super::scene::Scene;
 use super::views::{hard, random};
+use crate::page_set::PageSet;
 
 fn earth(m: u32) -> TestPlanet {
     TestPlanet::globe(m, 6_378_137.0, 6_356_752.3, 0.5, Ground::Wild { most: 12_000, seed: 1 })

@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use relief_shaders::pages::{key, unkey};
 use relief_shaders::shadow::{ShadowWindow, WindowCounts, shadow_mask, shadow_mask_of};
 
-use crate::compare::sun;
 use crate::page_set::PageSet;
-use crate::worlds::{dense, earth, fractal_globe, fractal_plane, moon};
+use crate::shadow::compare::sun;
+use crate::shadow::worlds::{dense, earth, fractal_globe, fractal_plane, moon};
 use relief_shaders::oracle::World;
 
 /// A window of a world with its sun: on a plane by azimuth and elevation, on a globe the unit
@@ -44,7 +44,7 @@ pub fn cases() -> Vec<(World, ShadowWindow)> {
 }
 
 fn dense_mask(world: &World, window: &ShadowWindow) -> (Vec<u8>, WindowCounts) {
-    let (planet, dense) = (crate::worlds::planet(world), dense(world));
+    let (planet, dense) = (crate::shadow::worlds::planet(world), dense(world));
     let shift = 31 - world.m;
     let height_m = |s: u32, t: u32| dense.row_m((t >> shift) as usize)[(s >> shift) as usize];
     shadow_mask_of(&planet, window, || &dense, height_m)
@@ -53,7 +53,7 @@ fn dense_mask(world: &World, window: &ShadowWindow) -> (Vec<u8>, WindowCounts) {
 #[test]
 fn pages_shade_as_a_dense_level_does() {
     for (world, window) in cases() {
-        let set = PageSet::of(&world, |_, _, _| true);
+        let set = PageSet::of_world(&world, |_, _, _| true);
         let (mask, counts) = shadow_mask(&set.pages(), &window);
         let (expected, expected_counts) = dense_mask(&world, &window);
         let part = |value: u8| mask.iter().filter(|&&v| v == value).count();
@@ -72,7 +72,7 @@ fn what_is_lacking_is_asked_for_until_nothing_is() {
         let mut held = BTreeSet::new();
         let mut rounds = 0;
         let mask = loop {
-            let set = PageSet::of(&world, |level, x, y| level == root || held.contains(&key(level, x, y)));
+            let set = PageSet::of_world(&world, |level, x, y| level == root || held.contains(&key(level, x, y)));
             let (mask, _) = shadow_mask(&set.pages(), &window);
             let asked = set.take_asked();
             assert!(asked.iter().all(|&key| unkey(key).0 <= root));
@@ -90,7 +90,7 @@ fn what_is_lacking_is_asked_for_until_nothing_is() {
 #[test]
 fn without_any_page_all_is_lit() {
     let (world, window) = cases().remove(0);
-    let set = PageSet::of(&world, |_, _, _| false);
+    let set = PageSet::of_world(&world, |_, _, _| false);
     let (mask, counts) = shadow_mask(&set.pages(), &window);
     assert!(mask.iter().all(|&v| v == 255));
     assert_eq!([counts.heights, counts.extremes], [0, 0]);

@@ -4,10 +4,11 @@ use relief_shaders::leb::active::judge;
 use relief_shaders::leb::{Params, Triangle, triangle};
 
 use super::camera::Camera;
-use super::page_set::{Fault, PageSet};
+use super::page_set::Fault;
 use super::planet::{Ground, TestPlanet, hash};
 use super::scene::weights;
 use super::views::{hard, random};
+use crate::page_set::PageSet;
 
 /// How many nodes of random descents are active though a parent is not. Half of the descents make
 /// for a place on a tile's border.

@@ -1,12 +1,11 @@
-//! The exact shadow kernel against an f64 oracle without a pyramid (DESIGN section 10).
+//! The exact shadow kernel against an f64 oracle without a pyramid.
 //!
 //! `SHADOW_RAYS` sets how many random rays a world gets; `SHADOW_FILES`, a list of `.relief` files
 //! separated by colons, adds worlds.
-#![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 mod compare;
-mod gpu;
 mod hard;
+mod on_gpu;
 mod page_set;
 mod paged;
 mod plane;

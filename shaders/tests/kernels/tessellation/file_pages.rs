@@ -9,13 +9,13 @@ use relief_formats::tile::TileKey;
 use relief_formats::tiles::Tiles;
 use relief_shaders::pages::{NODES, USABLE, key};
 
-use super::page_set::PageSet;
 use super::planet::TestPlanet;
+use crate::page_set::PageSet;
 
 /// Pages of a file's tiles, as its reader gives them.
 pub fn of_file(planet: &TestPlanet, relief: &Relief) -> PageSet {
     let (tiles, grid, root) = (Tiles::new(relief, 0), relief.grid(), relief.grid().root_level());
-    let mut set = PageSet::empty(planet);
+    let mut set = PageSet::empty(planet.planet());
     let crown = crown_codes(&tiles);
     let mut bounds: HashMap<TileKey, Vec<[f32; 2]>> = HashMap::new();
     let metres = |q: i32| (f64::from(q) * relief.step_m()) as f32;

@@ -7,9 +7,9 @@ use relief_shaders::paper::Patch;
 use relief_shaders::paper::patch::{level, start, start_count};
 use relief_shaders::planet::Planet;
 
-use crate::camera::Vec3;
-use crate::planet::hash;
-use crate::scene::{Scene, drawn_point, places, weights};
+use crate::tessellation::camera::Vec3;
+use crate::tessellation::planet::hash;
+use crate::tessellation::scene::{Scene, drawn_point, places, weights};
 
 /// Drawn relief triangles by their corners; fillers cover nothing.
 pub struct Cover<'a> {

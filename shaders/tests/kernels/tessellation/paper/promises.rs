@@ -4,12 +4,13 @@ use relief_shaders::leb::{Mesh, Params};
 use relief_shaders::paper::{Stats, tessellate};
 
 use super::cover::{Errors, look};
-use crate::camera::Camera;
-use crate::checks::{position_error, watertight};
-use crate::page_set::{Fault, PageSet};
-use crate::planet::{Ground, TestPlanet, hash};
-use crate::scene::{Scene, places};
-use crate::views::{hard, random};
+use crate::page_set::PageSet;
+use crate::tessellation::camera::Camera;
+use crate::tessellation::checks::{position_error, watertight};
+use crate::tessellation::page_set::Fault;
+use crate::tessellation::planet::{Ground, TestPlanet, hash};
+use crate::tessellation::scene::{Scene, places};
+use crate::tessellation::views::{hard, random};
 
 pub fn earth(m: u32) -> TestPlanet {
     TestPlanet::globe(m, 6_378_137.0, 6_356_752.3, 0.5, Ground::Wild { most: 12_000, seed: 1 })

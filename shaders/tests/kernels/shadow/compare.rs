@@ -5,7 +5,7 @@ use relief_shaders::planet::Planet;
 use relief_shaders::shadow::dense::Dense;
 use relief_shaders::shadow::{Counts, Sunlight, shadow_exact};
 
-use crate::worlds::{dense, planet};
+use crate::shadow::worlds::{dense, planet};
 use relief_shaders::oracle::World;
 
 /// Start in fixed point, and the sun (east, north, up).

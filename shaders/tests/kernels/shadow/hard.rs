@@ -1,7 +1,7 @@
-//! The hard cases of DESIGN section 8, each against the oracle: exact starts, exact directions.
+//! The hard cases, each against the oracle: exact starts, exact directions.
 
-use crate::compare::{Cast, Random, check, ray_count, sun};
-use crate::worlds::{earth, fractal_globe, fractal_plane, mars, moon, real_earth, world};
+use crate::shadow::compare::{Cast, Random, check, ray_count, sun};
+use crate::shadow::worlds::{earth, fractal_globe, fractal_plane, mars, moon, real_earth, world};
 use relief_formats::geodesy::Ellipsoid;
 use relief_shaders::oracle::World;
 

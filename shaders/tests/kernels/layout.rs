@@ -1,12 +1,10 @@
 //! Structs that Rust and WGSL share lie the same way in memory, by naga's account.
 
-#![allow(clippy::unwrap_used, reason = "a test ends at the first thing that goes wrong")]
-
 use std::collections::BTreeSet;
 use std::mem::offset_of;
 
 use naga::TypeInner;
-use relief_shaders::{frame, kernels, leb, pages, planet};
+use relief_shaders::{frame, kernels, leb, pages, paper, planet, shadow};
 
 /// A struct as Rust lays it out: name in WGSL, bytes, fields with their offsets.
 struct Layout {
@@ -25,8 +23,18 @@ macro_rules! layout {
     };
 }
 
+impl Layout {
+    /// An array of Rust whose items WGSL has as fields of their own.
+    fn with(mut self, first: usize, names: &[&'static str]) -> Self {
+        self.fields.extend(names.iter().enumerate().map(|(k, &name)| (name, first + 4 * k)));
+        self
+    }
+}
+
 fn shared() -> Vec<Layout> {
     use frame::uniform::UniformMesh;
+    use shadow::ShadowWindow;
+    use shadow::paper::ShadowPaperMap;
     vec![
         layout!(
             "Planet",
@@ -102,7 +110,28 @@ fn shared() -> Vec<Layout> {
             horizon_distance,
             cone_sin,
             cone_cos
+        )
+        .with(offset_of!(leb::Params, squash), &["squash_xy", "squash_z", "squash_most"])
+        .with(offset_of!(leb::Params, axis), &["axis_x", "axis_z"]),
+        layout!("LebControl", leb::Control, count_in, count_out, relief, overflow, tested, culled, passes, horizon),
+        layout!("LebArgs", leb::Args, groups, vertices, instances, first_vertex, first_instance),
+        layout!("Patch", paper::Patch, s, t, code),
+        layout!(
+            "PaperControl",
+            paper::Control,
+            count_in,
+            count_out,
+            relief,
+            overflow,
+            tested,
+            culled,
+            passes,
+            horizon,
+            split,
+            fillers
         ),
+        layout!("ShadowWindow", ShadowWindow, sun, x, y, columns, rows, level, air),
+        layout!("ShadowPaperMap", ShadowPaperMap, sun, spacing_m, m, q, reading),
     ]
 }
 
@@ -124,6 +153,11 @@ fn faults(layout: &Layout, module: &naga::Module) -> Vec<String> {
                 Some(member) => faults.push(format!("{}.{field}: at {}, {offset} in Rust", layout.name, member.offset)),
                 None => faults.push(format!("{}.{field} is missing", layout.name)),
             }
+        }
+        // WGSL's own padding words need no twin each.
+        let named = |name: &str| name.starts_with("padding") || layout.fields.iter().any(|(field, _)| *field == name);
+        for name in members.iter().filter_map(|member| member.name.as_deref()).filter(|name| !named(name)) {
+            faults.push(format!("{}.{name} has no twin", layout.name));
         }
     }
     faults
@@ -159,4 +193,21 @@ fn a_difference_is_seen() {
     for layout in wrong {
         assert!(!faults(&layout, of("frame_draw")).is_empty());
     }
+    let triangle = layout!("Triangle", leb::Triangle, s, t, code);
+    let [s, t, code] = triangle.fields[..] else { panic!("three fields") };
+    let with = |bytes, fields| faults(&Layout { name: "Triangle", bytes, fields }, of("leb_pass")).len();
+    assert_eq!(with(triangle.bytes, vec![s, t, code]), 0);
+    assert_eq!(with(triangle.bytes + 4, vec![s, t, code]), 1);
+    assert_eq!(with(triangle.bytes, vec![s, ("t", code.1), ("code", t.1)]), 2);
+    assert_eq!(with(triangle.bytes, vec![s, t]), 1);
+    assert_eq!(with(triangle.bytes, vec![s, t, code, ("level", 12)]), 1);
+}
+
+/// `leb_args` reads the counts of both schemes by the names of its own struct.
+#[test]
+fn the_counts_of_both_schemes_lie_alike() {
+    let shared = shared();
+    let of = |name| &shared.iter().find(|layout| layout.name == name).unwrap().fields;
+    assert!(of("PaperControl").starts_with(of("LebControl")));
+    assert_eq!(leb::Args::DRAW_OFFSET as usize, offset_of!(leb::Args, vertices));
 }

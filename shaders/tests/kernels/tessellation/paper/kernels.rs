@@ -2,18 +2,18 @@
 
 use std::collections::HashSet;
 
-use relief_shaders::kernels::PAPER_PASS;
 use relief_shaders::leb::{Mesh, Params, ReliefTriangle};
-use relief_shaders::paper::{Control, Patch, tessellate};
+use relief_shaders::paper::tessellate;
 
-use super::gpu::Gpu;
+use super::on_gpu::Kernels;
 use super::promises::{earth, lump, plain};
-use crate::camera::Camera;
-use crate::checks::watertight;
-use crate::page_set::{Fault, PageSet};
-use crate::planet::{TestPlanet, hash};
-use crate::scene::Scene;
-use crate::views::{hard, random};
+use crate::page_set::PageSet;
+use crate::tessellation::camera::Camera;
+use crate::tessellation::checks::watertight;
+use crate::tessellation::page_set::Fault;
+use crate::tessellation::planet::{TestPlanet, hash};
+use crate::tessellation::scene::Scene;
+use crate::tessellation::views::{hard, random};
 
 /// Triangles by their bits.
 fn bits(triangles: &[ReliefTriangle]) -> HashSet<[[u32; 4]; 3]> {
@@ -26,11 +26,11 @@ fn differing(a: &[ReliefTriangle], b: &[ReliefTriangle]) -> usize {
 }
 
 /// What the kernels draw and what the twin draws.
-fn both(gpu: &Gpu, planet: &TestPlanet, pages: &PageSet, camera: Camera) -> [Vec<ReliefTriangle>; 2] {
+fn both(kernels: &Kernels, planet: &TestPlanet, pages: &PageSet, camera: Camera) -> [Vec<ReliefTriangle>; 2] {
     let view = camera.view(planet);
     let params = Params::new(&pages.planet, &view, 1 << 17, 1 << 17);
     let twin = tessellate(&pages.pages(), &view, &params);
-    let (triangles, control) = gpu.tessellate(pages, &view, &params);
+    let (triangles, control) = kernels.tessellate(pages, &view, &params);
     assert!(!twin.stats.overflow && !control.stats().overflow, "{camera:?} {control:?}");
     assert_eq!(control.relief as usize, triangles.len());
     assert_eq!(control.stats().relief + control.fillers, control.relief);
@@ -43,7 +43,7 @@ fn both(gpu: &Gpu, planet: &TestPlanet, pages: &PageSet, camera: Camera) -> [Vec
 
 #[test]
 fn kernels_draw_what_the_twin_draws() {
-    let Some(gpu) = Gpu::new() else { return };
+    let Some(kernels) = Kernels::new() else { return };
     let (mut all, mut other) = (0, 0);
     for (name, planet) in [("earth", earth(9)), ("lump", lump(8)), ("plain", plain(9))] {
         let whole = PageSet::whole(&planet);
@@ -53,7 +53,7 @@ fn kernels_draw_what_the_twin_draws() {
         let views = views.into_iter().map(|(_, camera)| camera).chain((0..8).map(|n| random(&planet, n, 31)));
         for (n, camera) in views.enumerate() {
             let pages = if n % 3 == 2 { &some } else { &whole };
-            let [kernel, twin] = both(&gpu, &planet, pages, camera);
+            let [kernel, twin] = both(&kernels, &planet, pages, camera);
             all += twin.len();
             other += differing(&kernel, &twin);
             // Watertight by itself, whatever the rounding of this adapter.
@@ -71,65 +71,26 @@ fn kernels_draw_what_the_twin_draws() {
 
 #[test]
 fn the_comparison_notices_another_view() {
-    let Some(gpu) = Gpu::new() else { return };
+    let Some(kernels) = Kernels::new() else { return };
     let planet = earth(9);
     let pages = PageSet::whole(&planet);
     let camera = random(&planet, 2, 11);
-    let [kernel, _] = both(&gpu, &planet, &pages, camera);
-    let [_, twin] = both(&gpu, &planet, &pages, Camera { pixel_error: 1.9 * camera.pixel_error, ..camera });
+    let [kernel, _] = both(&kernels, &planet, &pages, camera);
+    let [_, twin] = both(&kernels, &planet, &pages, Camera { pixel_error: 1.9 * camera.pixel_error, ..camera });
     assert!(differing(&kernel, &twin) * 1000 > twin.len());
 }
 
 #[test]
 fn full_lists_are_told() {
-    let Some(gpu) = Gpu::new() else { return };
+    let Some(kernels) = Kernels::new() else { return };
     let planet = earth(9);
     let pages = PageSet::whole(&planet);
     let view = random(&planet, 2, 11).view(&planet);
     for (list, relief) in [(64, 1 << 16), (1 << 16, 64), (3, 5)] {
         let params = Params::new(&pages.planet, &view, list, relief);
-        let (triangles, control) = gpu.tessellate(&pages, &view, &params);
+        let (triangles, control) = kernels.tessellate(&pages, &view, &params);
         assert!(control.stats().overflow, "{list} {relief}");
         assert!(triangles.len() <= relief as usize);
         assert!(tessellate(&pages.pages(), &view, &params).stats.overflow);
-    }
-}
-
-#[test]
-fn shared_structs_have_one_layout() {
-    let module = naga::front::wgsl::parse_str(PAPER_PASS).unwrap();
-    let size = |name: &str| {
-        let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).unwrap().1;
-        let naga::TypeInner::Struct { members, span } = &found.inner else { panic!("{name} is no struct") };
-        let members: Vec<_> = members.iter().map(|m| (m.name.clone().unwrap(), m.offset)).collect();
-        (*span as usize, members)
-    };
-    let (patch, fields) = size("Patch");
-    assert_eq!(patch, size_of::<Patch>());
-    let offsets = [std::mem::offset_of!(Patch, s), std::mem::offset_of!(Patch, t), std::mem::offset_of!(Patch, code)];
-    assert!(fields.iter().map(|f| f.1 as usize).eq(offsets), "{fields:?}");
-    let (control, fields) = size("PaperControl");
-    assert_eq!(control, size_of::<Control>());
-    let named = [
-        ("count_in", std::mem::offset_of!(Control, count_in)),
-        ("count_out", std::mem::offset_of!(Control, count_out)),
-        ("relief", std::mem::offset_of!(Control, relief)),
-        ("overflow", std::mem::offset_of!(Control, overflow)),
-        ("tested", std::mem::offset_of!(Control, tested)),
-        ("culled", std::mem::offset_of!(Control, culled)),
-        ("passes", std::mem::offset_of!(Control, passes)),
-        ("horizon", std::mem::offset_of!(Control, horizon)),
-        ("split", std::mem::offset_of!(Control, split)),
-        ("fillers", std::mem::offset_of!(Control, fillers)),
-        ("padding_0", std::mem::offset_of!(Control, padding)),
-    ];
-    assert!(named.iter().zip(&fields).all(|(a, b)| a.0 == b.0 && a.1 == b.1 as usize), "{fields:?}");
-    // leb_args reads the same words by the names of its own struct.
-    let module = naga::front::wgsl::parse_str(relief_shaders::kernels::LEB_ARGS).unwrap();
-    let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some("LebControl")).unwrap().1;
-    let naga::TypeInner::Struct { members, .. } = &found.inner else { panic!("LebControl is no struct") };
-    for member in members {
-        let own = fields.iter().find(|f| Some(&f.0) == member.name.as_ref());
-        assert_eq!(own.map(|f| f.1), Some(member.offset), "{:?}", member.name);
     }
 }

@@ -4,10 +4,11 @@ use relief_shaders::leb::{Params, tessellate};
 
 use super::camera::Camera;
 use super::checks::{bounded, position_error, watertight};
-use super::page_set::{Fault, PageSet};
+use super::page_set::Fault;
 use super::planet::{Ground, TestPlanet};
 use super::scene::Scene;
 use super::views::{hard, random};
+use crate::page_set::PageSet;
 
 fn planet() -> TestPlanet {
     TestPlanet::globe(8, 20_000.0, 19_000.0, 0.125, Ground::Hills { most: 8000, seed: 3 })

@@ -6,8 +6,8 @@ use relief_shaders::leb::active::level;
 use relief_shaders::leb::virtual_cells::virtual_cells;
 use relief_shaders::leb::{Triangle, triangle};
 
-use super::page_set::PageSet;
 use super::planet::{Ground, TestPlanet, hash};
+use crate::page_set::PageSet;
 
 /// The largest |S_0 - T| over a triangle within one cell, from its corners and along its edges.
 fn need_m(planet: &TestPlanet, triangle: &Triangle) -> f64 {

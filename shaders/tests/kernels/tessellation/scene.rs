@@ -7,8 +7,8 @@ use relief_shaders::planet::View;
 use relief_shaders::position::camera_relative_m;
 
 use super::camera::{Camera, Vec3, length, wide};
-use super::page_set::PageSet;
 use super::planet::TestPlanet;
+use crate::page_set::PageSet;
 
 pub struct Scene<'a> {
     pub planet: &'a TestPlanet,

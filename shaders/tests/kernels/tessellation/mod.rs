@@ -2,16 +2,13 @@
 //! watertight, bounded, positions exact, nothing visible culled, activity nested. Each check has
 //! a test in which it fails.
 
-#![allow(clippy::unwrap_used, reason = "a test ends at the first thing that goes wrong")]
-
 mod breaches;
 mod camera;
 mod checks;
 mod deviation;
 mod file_pages;
-mod gpu;
-mod layouts;
 mod nested;
+mod on_gpu;
 mod page_set;
 mod paper;
 mod planet;

@@ -1,22 +1,10 @@
-//! Pages in memory, filled from a test planet as the residency would.
+//! Pages filled from a test planet, as the residency would.
 
-#![allow(clippy::unwrap_used, reason = "a test ends at the first thing that goes wrong")]
-
-use std::sync::atomic::AtomicU32;
-
-use relief_shaders::pages::{BLOCKS, BOUND_WORDS, HEIGHT_WORDS, NODES, NONE, PROBES, Pages, USABLE, hash, key};
-use relief_shaders::planet::Planet;
+use relief_shaders::pages::{BLOCKS, BOUND_WORDS, NODES, USABLE, key};
 
 use super::deviation::deviations;
 use super::planet::TestPlanet;
-
-pub struct PageSet {
-    pub planet: Planet,
-    pub table: Vec<[u32; 2]>,
-    pub heights: Vec<f32>,
-    pub bounds: Vec<u32>,
-    pub seen: Vec<AtomicU32>,
-}
+use crate::page_set::PageSet;
 
 /// How pages may be wrong, to see that the checks notice.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +28,7 @@ impl PageSet {
         let devs = deviations(planet, fault != Fault::Unsaturated);
         let extremes = extremes_m(planet);
         let tiles = |k: u32| ((planet.cells_x() >> k >> 8) as u32, (planet.cells_y() >> k >> 8) as u32);
-        let mut set = Self::empty(planet);
+        let mut set = Self::empty(planet.planet());
         let mut usable: Vec<Vec<bool>> = vec![Vec::new(); root as usize + 1];
         for k in (0..=root).rev() {
             let (tx, ty) = tiles(k);
@@ -61,49 +49,12 @@ impl PageSet {
         set
     }
 
-    /// Pages none.
-    pub fn empty(planet: &TestPlanet) -> Self {
-        Self {
-            planet: Planet { table_bits: 10, seen_bits: 10, ..planet.planet() },
-            table: vec![[NONE, NONE]; 1 << 10],
-            heights: Vec::new(),
-            bounds: Vec::new(),
-            seen: (0..1 << 10).map(|_| AtomicU32::new(0)).collect(),
-        }
-    }
-
-    pub fn slots(&self) -> u32 {
-        self.heights.len() as u32 / HEIGHT_WORDS
-    }
-
     pub fn push_codes(&mut self, codes: impl Iterator<Item = u32>) {
         let codes: Vec<u32> = codes.collect();
         for four in codes.chunks(4) {
             self.bounds.push(four.iter().rev().fold(0, |word, code| word << 8 | code));
         }
         assert_eq!(self.bounds.len() as u32, self.slots() * BOUND_WORDS);
-    }
-
-    pub fn pages(&self) -> Pages<'_> {
-        Pages {
-            planet: &self.planet,
-            table: &self.table,
-            heights: &self.heights,
-            bounds: &self.bounds,
-            seen: &self.seen,
-        }
-    }
-
-    pub fn insert(&mut self, key: u32, word: u32) {
-        let mut at = hash(key, self.planet.table_bits) as usize;
-        for _ in 0..PROBES {
-            if self.table[at][0] == NONE {
-                self.table[at] = [key, word];
-                return;
-            }
-            at = (at + 1) % self.table.len();
-        }
-        panic!("the table is too small");
     }
 
     #[allow(clippy::too_many_arguments, reason = "one caller")]

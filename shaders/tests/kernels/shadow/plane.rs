@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use relief_shaders::shadow::shadow_exact;
 use relief_shaders::shadow::sweep::{PlaneNodes, sweep_disk, sweep_mask};
 
-use crate::compare::{Random, sun};
-use crate::worlds::{dense, fractal_plane, planet, world};
+use crate::shadow::compare::{Random, sun};
+use crate::shadow::worlds::{dense, fractal_plane, planet, world};
 use relief_shaders::oracle::World;
 
 fn nodes(world: &World) -> PlaneNodes<'_, f32> {
