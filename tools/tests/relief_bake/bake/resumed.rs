@@ -139,6 +139,16 @@ fn what_is_no_work_file_is_replaced() {
     same(&whole, &bake.bytes(&["--resume"]).1);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn what_was_killed_while_publishing_goes() {
+    let bake = Bake { source: data("moon_dem_halfmetre_dn.tif"), options: &[], folder: Folder::new() };
+    let mut killed = program().stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    killed.wait().unwrap();
+    std::fs::write(bake.folder.path(&format!(".a.relief.{}.tmp", killed.id())), b"half a file").unwrap();
+    bake.bytes(&[]);
+}
+
 #[test]
 fn ctrl_c_leaves_no_output_and_can_be_resumed() {
     for signal in ["INT", "TERM"] {
