@@ -4,7 +4,6 @@ mod compose;
 mod handoff;
 mod journal;
 mod plan;
-pub(crate) mod progress;
 mod provenance;
 mod record;
 mod run;

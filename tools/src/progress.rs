@@ -1,4 +1,4 @@
-//! How far a bake is: a bar with an honest time left, or plain lines where no one sees a bar.
+//! How far a command is: a bar with an honest time left, or plain lines where no one sees a bar.
 
 use std::io::IsTerminal as _;
 use std::sync::Mutex;
