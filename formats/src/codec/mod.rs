@@ -6,6 +6,7 @@
 pub mod bits;
 pub mod bytes;
 pub mod constraint;
+mod crown;
 pub mod deviation;
 pub mod filled;
 pub mod hext;
