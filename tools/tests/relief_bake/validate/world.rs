@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use relief_formats::body::Body;
 use relief_formats::codec::nodes::{HALF, quarter};
+use relief_formats::derive::crown::{crown, lay};
 use relief_formats::derive::extremes::Extremes;
 use relief_formats::derive::{Base, Field, Window, derive_block, padding};
 use relief_formats::file::writer::{FileSpec, write};
@@ -149,7 +150,11 @@ impl World {
         });
         let absent = |level: u32, x: i32, y: i32| !self.has(self.owner(level, x, y));
         let base = Base { level: 0, nodes, mip: None, below: None };
-        let block = derive_block(base, core, levels, self.finest.is_some().then_some(&absent));
+        let mut block = derive_block(base, core, levels, self.finest.is_some().then_some(&absent));
+        let codes = crown(grid, &[&block.next]);
+        if let Some(root) = block.levels.last_mut() {
+            lay(&codes, &mut root.deviations);
+        }
         let tile = |key: TileKey| {
             let planes = &block.levels[key.level as usize];
             let (x0, y0) = (key.x as i32 * 256, key.y as i32 * 256);
