@@ -96,7 +96,9 @@ fn tree(relief: &Relief, findings: &Findings) {
         let add = |check, what: String| findings.add(check, Place::tile(body, &grid, key), what);
         if !present(key.parent()) {
             add(Check::Ancestors, format!("its parent of level {} is missing", key.level + 1));
-        } else if let Some(missing) = touched(grid, key).into_iter().flatten().find(|&tile| !present(tile)) {
+        } else if key.level + 1 < root
+            && let Some(missing) = touched(grid, key).into_iter().flatten().find(|&tile| !present(tile))
+        {
             add(
                 Check::TileNeighbours,
                 format!("tile ({}, {}) of level {} is missing", missing.x, missing.y, missing.level),

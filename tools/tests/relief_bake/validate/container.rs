@@ -198,8 +198,13 @@ fn the_tree_of_tiles_is_whole() {
     };
     assert_only(&without(9, &|key| key == TileKey::new(0, 2, 1)), &[]);
     let orphans = without(10, &|key| key == TileKey::new(1, 2, 0));
-    assert_only(&orphans, &[Check::Ancestors]);
+    assert_only(&orphans, &[Check::Ancestors, Check::TileNeighbours]);
     assert_eq!(orphans.counts[Check::Ancestors.code()], 4);
+    let lonely =
+        without(10, &|key| key == TileKey::new(1, 2, 0) || (key.level == 0 && key.parent() == TileKey::new(1, 2, 0)));
+    assert_only(&lonely, &[Check::TileNeighbours]);
+    // A column of two on the west and on the east, a row of two on the north and the corners.
+    assert_eq!(lonely.counts[Check::TileNeighbours.code()], 8);
     let west = |key: TileKey| key.x >> (1 - key.level) == 0;
     assert_only(&without(9, &west), &[Check::RootTiles]);
 }

@@ -21,8 +21,8 @@ use crate::common::Folder;
 pub struct World {
     pub body: Body,
     pub m: u32,
-    /// Level-0 tiles, and with them all their ancestors; `None`: all.
-    pub finest: Option<BTreeSet<(u32, u32)>>,
+    /// The tiles there are, but for the root level's, which are always there; `None`: all.
+    pub present: Option<BTreeSet<TileKey>>,
     /// Height of level-0 node (x, y) of a map of h rows, in steps; the poles' rows must be constant.
     pub height: fn(u32, u32, u32) -> i32,
     pub filled: fn(u32, u32) -> bool,
@@ -57,7 +57,7 @@ impl World {
 
     pub fn on(body: Body, m: u32) -> Self {
         let mesh = patch_mesh(&body, &Grid::new(m, body.is_plane()), MeshLayout::Aligned);
-        Self { body, m, finest: None, height: hills, filled: |_, _| false, mesh }
+        Self { body, m, present: None, height: hills, filled: |_, _| false, mesh }
     }
 
     pub fn plane(m: u32) -> Self {
@@ -66,7 +66,21 @@ impl World {
     }
 
     pub fn sparse(m: u32, finest: &[(u32, u32)]) -> Self {
-        Self { finest: Some(finest.iter().copied().collect()), ..Self::new(m) }
+        let mut here: BTreeSet<TileKey> = finest.iter().map(|&(x, y)| TileKey::new(0, x, y)).collect();
+        let mut present = here.clone();
+        let grid = Grid::new(m, false);
+        for level in 0..grid.root_level() {
+            let beside = |key: TileKey| {
+                (-1..=1).flat_map(move |dy| {
+                    (-1..=1).map(move |dx| (key.x.wrapping_add_signed(dx), key.y.wrapping_add_signed(dy)))
+                })
+            };
+            let near = here.iter().copied().flat_map(beside).map(|(x, y)| (x & (grid.tiles_x(level) - 1), y));
+            let on_map = near.filter(|&(_, y)| y < grid.tiles_y(level));
+            here = on_map.map(|(x, y)| TileKey::new(level, x, y).parent()).collect();
+            present.extend(&here);
+        }
+        Self { present: Some(present), ..Self::new(m) }
     }
 
     pub fn grid(&self) -> Grid {
@@ -74,9 +88,7 @@ impl World {
     }
 
     fn has(&self, key: TileKey) -> bool {
-        let Some(finest) = &self.finest else { return true };
-        let root = key.level == self.grid().root_level();
-        root || finest.iter().any(|&(x, y)| (x >> key.level, y >> key.level) == (key.x, key.y))
+        self.present.as_ref().is_none_or(|present| key.level == self.grid().root_level() || present.contains(&key))
     }
 
     fn keys(&self) -> Vec<TileKey> {
@@ -150,7 +162,7 @@ impl World {
         });
         let absent = |level: u32, x: i32, y: i32| !self.has(self.owner(level, x, y));
         let base = Base { level: 0, nodes, mip: None, below: None };
-        let mut block = derive_block(base, core, levels, self.finest.is_some().then_some(&absent));
+        let mut block = derive_block(base, core, levels, self.present.is_some().then_some(&absent));
         let codes = crown(grid, &[&block.next]);
         if let Some(root) = block.levels.last_mut() {
             lay(&codes, &mut root.deviations);
