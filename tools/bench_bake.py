@@ -28,6 +28,7 @@ from osgeo import gdal
 from bench_commands import (BAKE, DATA, MOON_CRS, ROOT, Failed, bake, cog, decode_cog, decode_relief, fetch_moon,
                             machine, run, strip, together)
 from bench_page import AIMS, geometric_mean, markdown, median
+from bench_report import failed, measured, write
 
 # Integer DEMs on a regular grid: (file, relief's options). A local map keeps the source's pixels.
 LOSSLESS = [("earth_etopo1_6min.tif", ["--vertical", "as-given"]), ("moon_dem_halfmetre_dn.tif", []),
@@ -208,33 +209,21 @@ def main():
     parser.add_argument("--work", metavar="DIR", help="where the files are made (default: a temporary folder)")
     parser.add_argument("--out", default=str(ROOT / "BENCHMARKS"), metavar="STEM", help="writes STEM.json and STEM.md")
     args = parser.parse_args()
-    failed = False
     with tempfile.TemporaryDirectory(dir=args.work) as folder:
         try:
             build()
         except Failed as error:
             sys.exit(f"bench: {error}")
         bench = Bench(args, pathlib.Path(folder))
-        sections = {}
-        for name in SECTIONS:
-            if args.only and name not in args.only:
-                continue
-            print(f"bench: {name}", file=sys.stderr)
-            try:
-                sections[name] = getattr(bench, name)()
-            except Failed as error:
-                print(f"bench: {name}: {error}", file=sys.stderr)
-                sections[name] = {"error": str(error).splitlines()[0]}
-                failed = True
+        sections = measured({name: getattr(bench, name) for name in SECTIONS if not args.only or name in args.only})
         planet = bench.planet()
         report = {"machine": machine(), "runs": args.runs, "threads": args.threads, "planet": planet[0],
                   "note": "; ".join(filter(None, [planet[3], "a quick run, not for publication" if args.quick else ""])),
                   "aims": AIMS, "sections": sections}
-    pathlib.Path(f"{args.out}.json").write_text(json.dumps(report, indent=1) + "\n")
     page = markdown(report)
-    pathlib.Path(f"{args.out}.md").write_text(page)
+    write(report, page, args.out)
     print(page)
-    sys.exit(1 if failed else 0)
+    sys.exit(1 if any(map(failed, sections.values())) else 0)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,8 @@
 import math
 import statistics
 
+from bench_report import measured_on, verdict
+
 MIB = 1 << 20
 
 # Section, what is compared, and the largest ratio (or figure) that is aimed at.
@@ -25,24 +27,18 @@ def number(value, digits=2):
     return "-" if value is None else f"{value:.{digits}f}"
 
 
-def verdict(value, aim):
-    """Whether an aim was met."""
-    return "-" if value is None else ("met" if value <= aim else "missed")
-
-
 def markdown(report):
     """The report as a page."""
     on, found = report["machine"], report["sections"]
     lines = ["# Figures of the bake", "",
-             f"Measured on {on['date']}: {on['cpu']}, {on['cores']} cores, {on['memory_gib']} GiB, {on['system']}; "
-             f"GDAL {on['gdal']}, {on['rustc']}, {on['relief']}. Planet: {report['planet']}. "
+             f"{measured_on(on, 'GDAL ' + on['gdal'])} Planet: {report['planet']}. "
              f"Medians of {report['runs']} runs, relief and peer in turns."]
     if report["note"]:
         lines.append(f"Note: {report['note']}.")
     lines += ["", "| what | relief | peer | ratio | aim | |", "|---|---|---|---|---|---|"]
 
     def row(what, relief, peer, value, aim, digits=2):
-        lines.append(f"| {what} | {relief} | {peer} | {number(value, digits)} | {aim} | {verdict(value, aim)} |")
+        lines.append(f"| {what} | {relief} | {peer} | {number(value, digits)} | {aim} | {'-' if value is None else verdict(value <= aim)} |")
 
     wall = found.get("wall", {})
     if "ratio" in wall:

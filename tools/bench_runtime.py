@@ -17,7 +17,6 @@ import argparse
 import json
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
@@ -25,6 +24,7 @@ import numpy as np
 from osgeo import gdal
 
 from bench_commands import BAKE, DATA, MOON_CRS, ROOT, TARGET, Failed, bake, fetch_moon, machine, run
+from bench_report import failed, measured, write
 from bench_runtime_page import markdown
 
 EXAMPLES = TARGET / "examples"
@@ -134,22 +134,13 @@ def main():
     parser.add_argument("--out", default=str(ROOT / "BENCHMARKS-RUNTIME"), help="writes OUT.json and OUT.md")
     args = parser.parse_args()
     os.environ.setdefault("XDG_RUNTIME_DIR", tempfile.gettempdir())
-    report = {"machine": machine(), "sections": {}}
+    report = {"machine": machine()}
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(args, pathlib.Path(folder))
-        for name in args.only or ("shadows", "triangles", "frame", "first"):
-            print(f"bench: {name}", file=sys.stderr)
-            try:
-                report["sections"][name] = getattr(bench, name)()
-            except (Failed, OSError, subprocess.SubprocessError) as error:
-                print(f"bench: {name}: {error}", file=sys.stderr)
-                report["sections"][name] = {"error": str(error).splitlines()[-1]}
-    out = pathlib.Path(args.out)
-    out.with_suffix(".json").write_text(json.dumps(report, indent=1) + "\n")
-    out.with_suffix(".md").write_text(markdown(report))
-    print(f"bench: {out}.md", file=sys.stderr)
-    failed = any("error" in section for section in report["sections"].values() if isinstance(section, dict))
-    return 2 if failed else 0
+        sections = args.only or ("shadows", "triangles", "frame", "first")
+        report["sections"] = measured({name: getattr(bench, name) for name in sections})
+    write(report, markdown(report), args.out)
+    return 2 if any(map(failed, report["sections"].values())) else 0
 
 
 if __name__ == "__main__":

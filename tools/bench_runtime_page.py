@@ -1,16 +1,13 @@
 """Writes what `bench_runtime` found as a page: each figure beside its aim and its peer."""
 
+from bench_report import measured_on, page_sections, verdict
+
 MIB = 1 << 20
 AIM_MRAY_S = 20
 AIM_FETCHES = 10
 AIM_RATIO = 1.5
 AIM_TRIANGLES = 174_000
 AIM_FIRST_MS = 50
-
-
-def verdict(met):
-    """Whether an aim was met."""
-    return "met" if met else "missed"
 
 
 def shadows(found):
@@ -89,14 +86,7 @@ def first(found):
 
 def markdown(report):
     """The report as a page."""
-    on = report["machine"]
     lines = ["# Figures of the runtime", "",
-             f"Measured on {on['date']}: {on['cpu']}, {on['cores']} cores, {on['memory_gib']} GiB, {on['system']}; "
-             f"{on['rustc']}, {on['relief']}. Relief and peers in the same run."]
+             f"{measured_on(report['machine'])} Relief and peers in the same run."]
     writers = {"shadows": shadows, "triangles": triangles, "frame": frame, "first": first}
-    for name, found in report["sections"].items():
-        if isinstance(found, dict) and "error" in found:
-            lines += ["", f"## {name}: not measured", "", found["error"]]
-        else:
-            lines += [""] + writers[name](found)
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines + page_sections(report["sections"], writers)) + "\n"

@@ -13,6 +13,7 @@ Viewers are threads of one process of their own that decodes nothing.
 """
 
 import argparse
+import functools
 import json
 import os
 import pathlib
@@ -25,6 +26,7 @@ import tempfile
 import time
 
 from bench_commands import DATA, ROOT, TARGET, Failed, bake, machine, run
+from bench_report import failed, measured, write
 from bench_serve_page import markdown
 
 LOAD = TARGET / "examples/load"
@@ -174,27 +176,16 @@ def main():
     os.environ.setdefault("XDG_RUNTIME_DIR", tempfile.gettempdir())
     sections = args.only or ["viewers", "memory"] + (["churn"] if args.churn_minutes else [])
     measure = {"viewers": viewers_section, "memory": memory_section, "churn": churn_section}
-    report = {"machine": machine(), "settings": {"seconds": args.seconds, "warm_s": args.warm_s}, "sections": {}}
+    report = {"machine": machine(), "settings": {"seconds": args.seconds, "warm_s": args.warm_s}}
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(args.file) if args.file else pathlib.Path(folder) / "earth.relief"
         if not args.file:
             bake(DATA / "earth_etopo1_6min.tif", file, "--vertical", "as-given")
         report["file"] = {"name": file.name, "bytes": file.stat().st_size}
         report["adapter"] = adapter(file) if "gpu" in args.backends else None
-        for name in sections:
-            print(f"bench: {name}", file=sys.stderr)
-            try:
-                report["sections"][name] = measure[name](args, file)
-            except (Failed, OSError, subprocess.SubprocessError) as error:
-                print(f"bench: {name}: {error}", file=sys.stderr)
-                report["sections"][name] = {"error": str(error).splitlines()[-1]}
-    out = pathlib.Path(args.out)
-    out.with_suffix(".json").write_text(json.dumps(report, indent=1) + "\n")
-    out.with_suffix(".md").write_text(markdown(report))
-    print(f"bench: {out}.md", file=sys.stderr)
-    churned = report["sections"].get("churn", {})
-    failed = any(isinstance(section, dict) and "error" in section for section in report["sections"].values())
-    return 2 if failed else 1 if churned.get("grew") else 0
+        report["sections"] = found = measured({name: functools.partial(measure[name], args, file) for name in sections})
+    write(report, markdown(report), args.out)
+    return 2 if any(map(failed, found.values())) else 1 if found.get("churn", {}).get("grew") else 0
 
 
 def adapter(file):

@@ -1,12 +1,9 @@
 """Writes what `bench_serve` found as a page."""
 
+from bench_report import measured_on, page_sections, verdict
+
 MIB = 1 << 20
 AIM_ADDED = 0.05
-
-
-def verdict(met):
-    """Whether an aim was met."""
-    return "met" if met else "missed"
 
 
 def viewers(found):
@@ -58,17 +55,11 @@ PEERS = ["## Peers", "",
 
 def markdown(report):
     """The report as a page."""
-    on, of = report["machine"], report["file"]
+    of = report["file"]
     lines = ["# Figures of the daemon", "",
-             f"Measured on {on['date']}: {on['cpu']}, {on['cores']} cores, {on['memory_gib']} GiB, {on['system']}; {on['rustc']}, "
-             f"{on['relief']}. {of['name']}, {of['bytes'] / MIB:.1f} MiB; {report['settings']['seconds']:g} s a run after "
+             f"{measured_on(report['machine'])} {of['name']}, {of['bytes'] / MIB:.1f} MiB; {report['settings']['seconds']:g} s a run after "
              f"{report['settings']['warm_s']:g} s of warming up."]
     if report.get("adapter"):
         lines += ["", f"`gpu` is {report['adapter']}. An absolute time counts only from a GPU; lavapipe is a CPU that acts as one."]
     writers = {"viewers": viewers, "memory": memory, "churn": churn}
-    for name, found in report["sections"].items():
-        if isinstance(found, dict) and "error" in found:
-            lines += ["", f"## {name}: not measured", "", found["error"]]
-        else:
-            lines += [""] + writers[name](found)
-    return "\n".join(lines + [""] + PEERS) + "\n"
+    return "\n".join(lines + page_sections(report["sections"], writers) + ["", *PEERS]) + "\n"

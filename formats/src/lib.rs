@@ -19,5 +19,5 @@ pub mod tiles;
 #[cfg(test)]
 extern crate self as relief_formats;
 #[cfg(test)]
-#[path = "../../tests/support/sample_file.rs"]
+#[path = "../../tests/src/sample_file.rs"]
 mod sample_file;

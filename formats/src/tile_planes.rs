@@ -2,7 +2,7 @@
 
 use crate::codec::{deviation, filled, hext, mip, nodes};
 use crate::derive::extremes::Extremes;
-use crate::file::index::{Digest, digest};
+use crate::file::index::{Digest, Entry, digest};
 use crate::tile::TileKey;
 
 /// What a bake knows of a tile.
@@ -39,6 +39,21 @@ pub struct EncodedTile {
     pub min_q: i32,
     /// Largest node, in steps.
     pub max_q: i32,
+}
+
+impl EncodedTile {
+    /// Its entry in the index where its planes lie at `offset` of the tile section.
+    #[must_use]
+    pub fn entry(&self, offset: u64) -> Entry {
+        Entry {
+            key: self.key,
+            offset,
+            lengths: self.planes.each_ref().map(|plane| plane.len() as u32),
+            min_q: self.min_q,
+            max_q: self.max_q,
+            digests: self.digests,
+        }
+    }
 }
 
 /// Encodes a tile's planes.

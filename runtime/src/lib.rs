@@ -18,6 +18,4 @@ pub mod view;
 
 // The sample files of the whole-program tests.
 #[cfg(test)]
-#[path = "../../tests/support/sample_file.rs"]
-#[allow(missing_docs, clippy::unwrap_used, reason = "shared with the tests of other crates")]
-mod sample_file;
+use relief_tests::sample_file;

@@ -29,7 +29,7 @@ pub struct Margin {
 }
 
 impl Margin {
-    /// Half the width of the band in which a kernel may differ (DESIGN section 10), radians.
+    /// Half the width of the band in which a kernel may differ, radians.
     #[must_use]
     pub fn tolerance_rad(&self) -> f64 {
         1e-4 + 0.002 / self.distance_m

@@ -1,4 +1,4 @@
-//! Where a point of the relief is, relative to the camera (DESIGN section 8): plain f32, and yet
+//! Where a point of the relief is, relative to the camera: plain f32, and yet
 //! within 5e-7 of the distance, because differences are taken between integers.
 
 use crate::angle::{UNIT_RAD, sin_cos, sin_cos_lat, sin_cos_small};

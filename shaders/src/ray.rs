@@ -1,4 +1,4 @@
-//! A straight ray in geodetic terms (DESIGN section 8), all lengths relative to its start: its
+//! A straight ray in geodetic terms, all lengths relative to its start: its
 //! height above the ellipsoid and its crossings of meridians and parallels, exact, in plain f32.
 //!
 //! On a plane the same functions hold without curvature.

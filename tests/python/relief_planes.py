@@ -61,12 +61,12 @@ class Residuals:
             return
         need(len(data) >= 6, "residual stream: no room for its lengths")
         headers, words = struct.unpack_from("<HI", data)
-        need(len(data) >= 6 + headers + words and words >= 16 and words % 2 == 0, "residual stream: lengths")
+        need(len(data) >= 6 + headers + words and words >= 128 and words % 2 == 0, "residual stream: lengths")
         self.headers = data[6:6 + headers]
         words = data[6 + headers:6 + headers + words]
-        self.states = list(struct.unpack_from("<4I", words))
+        self.states = list(struct.unpack_from("<32I", words))
         need(min(self.states) >= 65536, "residual stream: a start state is too small")
-        self.words = iter(struct.unpack(f"<{len(words) // 2 - 8}H", words[16:]))
+        self.words = iter(struct.unpack(f"<{len(words) // 2 - 64}H", words[128:]))
         raw = data[6 + headers + len(words):]
         self.raw_bits, self.position = 8 * len(raw), 0
         self.raw = np.frombuffer(raw + bytes(8), np.uint8)
@@ -125,14 +125,14 @@ class Residuals:
     def _tokens(self, tables):
         states, words, tokens = self.states, self.words, []
         for n, table in enumerate(tables):
-            x = states[n & 3]
+            x = states[n & 31]
             token, frequency, offset = _TABLES[table][x & 2047]
             x = (x >> 11) * frequency + offset
             if x < 65536:
                 word = next(words, None)
                 need(word is not None, "residual stream: too few words")
                 x = x << 16 | word
-            states[n & 3] = x
+            states[n & 31] = x
             tokens.append(token)
         return np.array(tokens, np.int64)
 
@@ -150,7 +150,7 @@ class Residuals:
         if self.empty:
             return
         need(not self.headers and next(self.words, None) is None, "residual stream: bytes left over")
-        need(self.states == [65536] * 4, "residual stream: a state does not end at its start")
+        need(self.states == [65536] * 32, "residual stream: a state does not end at its start")
         left = self.raw_bits - self.position
         need(left < 8, "residual stream: raw bytes left over")
         need(left == 0 or int(self.raw[self.raw_bits // 8 - 1]) >> (8 - left) == 0, "residual stream: dirty padding")

@@ -6,7 +6,7 @@ use gdal::Dataset;
 use relief_formats::codec::lifting::{predict_c, predict_h, predict_v, split};
 use relief_formats::codec::rans::SLOTS;
 use relief_formats::codec::residual::{BUCKETS, buckets, choose_scales};
-use relief_formats::codec::token::{TABLES, TOKENS, table_of, tokenize, zigzag};
+use relief_formats::codec::token::{TABLES, TOKENS, low_bits, table_of, tokenize, zigzag};
 
 type Counts = [[f64; TOKENS]; TABLES];
 
@@ -70,7 +70,7 @@ fn count(residual: &[i32], activity: &[i32], counts: &mut Counts) {
     let (_, _, scale): (_, _, [u8; BUCKETS]) = choose_scales(&bucket, residual);
     for (&b, &r) in bucket.iter().zip(residual) {
         let t = scale[b as usize];
-        counts[table_of(t)][tokenize(zigzag(r), t).0 as usize] += 1.0;
+        counts[table_of(t)][tokenize(zigzag(r), low_bits(t)).0 as usize] += 1.0;
     }
 }
 

@@ -5,6 +5,7 @@ pub mod cog;
 pub mod commands;
 pub mod junit;
 pub mod lattice;
+mod progress;
 pub mod report;
 pub mod resample;
 pub mod source;

@@ -97,17 +97,7 @@ fn write_one(golden: &Golden, path: &Path) -> Result<(), Box<dyn Error>> {
     let grid = Grid::new(golden.m, golden.body.is_plane());
     let map = Map::new(grid, golden.kind, golden.absent);
     let tiles = map.tiles();
-    let entries: Vec<Entry> = tiles
-        .iter()
-        .map(|tile| Entry {
-            key: tile.key,
-            offset: 0,
-            lengths: tile.planes.each_ref().map(|plane| plane.len() as u32),
-            min_q: tile.min_q,
-            max_q: tile.max_q,
-            digests: tile.digests,
-        })
-        .collect();
+    let entries: Vec<Entry> = tiles.iter().map(|tile| tile.entry(0)).collect();
     let metadata = Metadata {
         body: golden.body.clone(),
         vertical: "as given".into(),

@@ -59,9 +59,9 @@ impl Crown {
 
     /// Decodes what [`Crown::encode`] wrote into `codes`, whose odd nodes are there.
     pub fn decode(&self, plane: &[u8], codes: &mut [u8], activity: &[i32]) -> Result<(), CodecError> {
-        let mut residual = vec![0; self.places.len()];
+        let mut residual = activity.to_vec();
         let mut reader = PlaneReader::new(plane)?;
-        reader.class(activity, &mut residual, ROW)?;
+        reader.class(&mut residual, ROW)?;
         reader.finish()?;
         for ((place, &own), &residual) in self.places.iter().zip(&self.own).zip(&residual) {
             let above = u8::try_from(zigzag(residual)).map_err(|_| CodecError::Range)?;
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn children_come_first() {
         let mut known: Vec<bool> =
-            (0..TILE_NODES * TILE_NODES).map(|k| (k % TILE_NODES | k / TILE_NODES) & 1 == 1).collect();
+            (0..TILE_NODES * TILE_NODES).map(|k| ((k % TILE_NODES) | (k / TILE_NODES)) & 1 == 1).collect();
         for place in places() {
             assert!(place.children().iter().filter(|c| inside(c.0, c.1)).all(|c| known[index(c.0, c.1)]));
             known[place.index()] = true;

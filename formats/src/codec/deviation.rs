@@ -219,7 +219,7 @@ mod tests {
             }
             prop_assert_eq!(&decode(&encode(&codes, &nodes, false), &nodes, false).unwrap(), &codes);
             for (k, code) in codes.iter_mut().enumerate() {
-                if (k % TILE_NODES | k / TILE_NODES) & 1 == 0 && !(k % 256 == 0 && k / TILE_NODES % 256 == 0) {
+                if ((k % TILE_NODES) | (k / TILE_NODES)) & 1 == 0 && !(k % 256 == 0 && (k / TILE_NODES).is_multiple_of(256)) {
                     *code = (k as u8) & noise;
                 }
             }

@@ -17,6 +17,8 @@ pub mod nodes;
 pub mod rans;
 pub mod residual;
 mod rows;
+mod samples;
+mod scratch;
 pub mod tables;
 pub mod token;
 

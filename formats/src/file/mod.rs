@@ -7,6 +7,7 @@ mod map;
 pub mod metadata;
 pub mod reader;
 pub mod section;
+pub mod temporary;
 pub mod writer;
 
 pub use error::FormatError;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::header::{HASH_AT as HEADER_HASH_AT, HEADER_BYTES, MAGIC};
 use super::index::{ENTRY_BYTES, content_id};
 use super::section::{self, INDEX, MESH, META, ROW_BYTES, Section, TILES};
-use super::{Entry, FormatError, Header, Metadata};
+use super::{Entry, FormatError, Header, Metadata, temporary};
 use crate::body::Body;
 
 /// Bytes of the tail.
@@ -58,6 +58,7 @@ pub fn write(
 
     let staging = Staging::beside(path);
     let file = File::create(&staging.path).map_err(io("cannot create"))?;
+    temporary::hold(&file);
     let mut out = BufWriter::with_capacity(1 << 20, file);
     let failed = io("cannot write");
     let header = write_all(&mut out, spec, &order, &placed, &mut read).map_err(|error| match error {
@@ -186,9 +187,9 @@ struct Staging {
 
 impl Staging {
     fn beside(path: &Path) -> Self {
-        let mut name = std::ffi::OsString::from(".");
-        name.push(path.file_name().unwrap_or_default());
-        name.push(format!(".{}.tmp", std::process::id()));
+        temporary::remove_stale(path);
+        let mut name = temporary::stem(path);
+        name.push(temporary::SUFFIX);
         Self { path: path.with_file_name(name), published: false }
     }
 

@@ -26,17 +26,7 @@ pub fn file_with_mesh(plane: bool, mesh_m: u32) -> Vec<u8> {
     let grid = Grid::new(if plane { 8 } else { 9 }, plane);
     let keys: &[(u32, u32, u32)] = if plane { &[(0, 0, 0)] } else { &[(1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 2, 1)] };
     let tiles: Vec<EncodedTile> = keys.iter().map(|&(level, x, y)| tile(TileKey::new(level, x, y), grid)).collect();
-    let entries: Vec<Entry> = tiles
-        .iter()
-        .map(|tile| Entry {
-            key: tile.key,
-            offset: 0,
-            lengths: tile.planes.each_ref().map(|plane| plane.len() as u32),
-            min_q: tile.min_q,
-            max_q: tile.max_q,
-            digests: tile.digests,
-        })
-        .collect();
+    let entries: Vec<Entry> = tiles.iter().map(|tile| tile.entry(0)).collect();
     let metadata = Metadata {
         body: body.clone(),
         vertical: "as given".into(),

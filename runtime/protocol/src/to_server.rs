@@ -1,10 +1,10 @@
 //! Messages of a viewer.
 
+mod parse;
+
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Code, Fault};
 use crate::view::View;
-use crate::{MOST_MESSAGE_BYTES, MOST_NAME_BYTES};
 
 /// A message of a viewer, one JSON object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -170,145 +170,5 @@ fn default_quality() -> u8 {
 impl Default for Frame {
     fn default() -> Self {
         Self { format: FrameFormat::default(), quality: default_quality() }
-    }
-}
-
-impl ToServer {
-    /// Reads a message, and refuses what no daemon can do.
-    ///
-    /// # Errors
-    /// [`Code::Malformed`], [`Code::TooLarge`], [`Code::BadView`].
-    pub fn parse(text: &str) -> Result<Self, Fault> {
-        let malformed = |what: String, remedy: &str| {
-            Fault::new(Code::Malformed, what, "a message is one JSON object as PROTOCOL.md describes it", remedy)
-        };
-        if text.len() > MOST_MESSAGE_BYTES {
-            return Err(Fault::new(
-                Code::TooLarge,
-                format!("a message of {} bytes", text.len()),
-                format!("a message has at most {MOST_MESSAGE_BYTES} bytes"),
-                "send less in one message",
-            ));
-        }
-        let message: Self = serde_json::from_str(text)
-            .map_err(|error| malformed(error.to_string(), "send an object with a known \"type\" and its fields"))?;
-        message.check()?;
-        Ok(message)
-    }
-
-    /// As text.
-    #[must_use]
-    pub fn text(&self) -> String {
-        // Numbers that are not finite become null; nothing else can fail.
-        serde_json::to_string(self).unwrap_or_default()
-    }
-
-    /// The camera it is about.
-    #[must_use]
-    pub fn camera(&self) -> Option<&str> {
-        match self {
-            Self::Hello(_) => None,
-            Self::Camera(Camera { camera, .. })
-            | Self::View(SetView { camera, .. })
-            | Self::Ack { camera, .. }
-            | Self::Pick(Pick { camera, .. })
-            | Self::Detach { camera } => Some(camera),
-        }
-    }
-
-    fn check(&self) -> Result<(), Fault> {
-        let bad = |what: String, rule: &str, remedy: &str| Err(Fault::new(Code::Malformed, what, rule, remedy));
-        if let Some(name) = self.camera()
-            && (name.is_empty() || name.len() > MOST_NAME_BYTES)
-        {
-            return bad(
-                format!("a camera's name of {} bytes", name.len()),
-                "a camera's name has 1 to 64 bytes",
-                "name the camera",
-            );
-        }
-        match self {
-            Self::Camera(Camera { streams, camera, .. }) => {
-                if streams.count() == 0 {
-                    return bad(
-                        format!("the camera {camera:?} without streams"),
-                        "a camera has a stream: frame, mask, depth or mesh",
-                        "ask for one, such as \"streams\":{\"frame\":{}}",
-                    );
-                }
-                match streams.frame {
-                    Some(Frame { quality, .. }) if !(1..=100).contains(&quality) => {
-                        bad(format!("a quality of {quality}"), "a quality is 1 to 100", "send 80, or leave it out")
-                    }
-                    _ => Ok(()),
-                }
-            }
-            Self::View(SetView { camera, view, what }) => what.check().map_err(|fault| fault.of(camera).at(*view)),
-            Self::Pick(Pick { x, y, camera, .. }) if !(x.is_finite() && y.is_finite()) => {
-                bad(format!("a pixel at {x}, {y}"), "a pixel is named by finite numbers", "send x and y")
-                    .map_err(|f: Fault| f.of(camera))
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn messages_are_read() {
-        let text = r#"{"type":"view","camera":"main","view":3,"pose":[85,19,6e5,5,-38],"size":[640,360],"sun":[4,15],"overlay":"lod"}"#;
-        let Ok(ToServer::View(SetView { view: 3, what, .. })) = ToServer::parse(text) else { panic!("{text}") };
-        assert_eq!(what.six(), [85.0, 19.0, 6e5, 5.0, -38.0, 0.0]);
-        let hello = ToServer::parse(r#"{"type":"hello","version":1,"colour":"red"}"#);
-        assert_eq!(hello, Ok(ToServer::Hello(Hello { version: 1, viewer: String::new(), token: None })));
-        let camera = r#"{"type":"camera","camera":"a","planet":"earth","streams":{"frame":{"quality":50},"mesh":{}}}"#;
-        let Ok(ToServer::Camera(Camera { streams, .. })) = ToServer::parse(camera) else { panic!("{camera}") };
-        assert_eq!((streams.count(), streams.frame.map(|f| f.quality)), (2, Some(50)));
-    }
-
-    #[test]
-    fn bad_messages_say_what_is_wrong() {
-        let pose = |pose: &str, rest: &str| format!(r#"{{"type":"view","camera":"c","view":9,"pose":{pose},{rest}}}"#);
-        for (text, code) in [
-            (String::new(), Code::Malformed),
-            ("[]".into(), Code::Malformed),
-            (r#"{"type":"fly"}"#.into(), Code::Malformed),
-            (r#"{"type":"hello","version":-1}"#.into(), Code::Malformed),
-            (r#"{"type":"detach","camera":""}"#.into(), Code::Malformed),
-            (format!(r#"{{"type":"detach","camera":"{}"}}"#, "x".repeat(65)), Code::Malformed),
-            (r#"{"type":"camera","camera":"a","planet":"p"}"#.into(), Code::Malformed),
-            (
-                r#"{"type":"camera","camera":"a","planet":"p","streams":{"frame":{"quality":0}}}"#.into(),
-                Code::Malformed,
-            ),
-            (r#"{"type":"pick","camera":"a","x":1e999,"y":0}"#.into(), Code::Malformed),
-            (pose("[1,2]", r#""size":[8,8]"#), Code::BadView),
-            (pose("[1,2,NaN]", r#""size":[8,8]"#), Code::Malformed),
-            (pose("[1,2,3]", r#""size":[0,8]"#), Code::BadView),
-            (pose("[1,2,3]", r#""size":[8,8],"sun":[0,0],"time":"2026-06-21T00:00:00Z""#), Code::BadView),
-            (pose("[1,2,3]", r#""size":[4000000000,4000000000]"#), Code::TooLarge),
-            (" ".repeat(MOST_MESSAGE_BYTES + 1), Code::TooLarge),
-        ] {
-            let fault = ToServer::parse(&text).unwrap_err();
-            assert_eq!(fault.code, code, "{text:.80} {fault}");
-        }
-        let fault = ToServer::parse(&pose("[1,2]", r#""size":[8,8]"#)).unwrap_err();
-        assert_eq!((fault.camera.as_deref(), fault.view), (Some("c"), Some(9)));
-    }
-
-    proptest! {
-        #[test]
-        fn no_text_ends_in_a_panic(text in ".{0,200}", at in 0usize..200, byte in any::<char>()) {
-            let _ = ToServer::parse(&text);
-            let good = r#"{"type":"view","camera":"main","view":3,"pose":[85,19,600000.0],"fov":60.0,"size":[640,360]}"#;
-            let bent: String = good.chars().enumerate().map(|(k, c)| if k == at { byte } else { c }).collect();
-            if let Ok(message) = ToServer::parse(&bent) {
-                prop_assert_eq!(ToServer::parse(&message.text()), Ok(message));
-            }
-        }
     }
 }

@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use crate::sample_file::Sample;
 use relief_formats::body::Body;
 use relief_formats::geodesy::{Ellipsoid, lat_deg, lon_deg};
 use relief_formats::grid::Grid;
@@ -11,6 +10,7 @@ use relief_runtime::cpu::Cpu;
 use relief_runtime::frame::{Frame, Renderer, Settings, Shadow};
 use relief_runtime::planet::Planet;
 use relief_runtime::view::{Camera, Sun, View};
+use relief_tests::sample_file::Sample;
 
 const SIZE: [u32; 2] = [160, 120];
 

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::sample_file::Sample;
 use relief_formats::body::Body;
 use relief_formats::geodesy::lat_deg;
 use relief_runtime::cpu::Cpu;
@@ -12,6 +11,7 @@ use relief_runtime::frame::{Frame, Overlay, Renderer, Scheme, Settings, Shadow};
 use relief_runtime::gpu::{Device, DeviceError, Gpu, HostTargets};
 use relief_runtime::planet::Planet;
 use relief_runtime::view::{Camera, Sun, View, ViewError};
+use relief_tests::sample_file::Sample;
 
 const LONG: Duration = Duration::from_secs(100);
 /// Of a picture 200 pixels high, 60 degrees.

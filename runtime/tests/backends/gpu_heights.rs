@@ -3,12 +3,12 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::sample_file::Sample;
 use relief_formats::body::Body;
 use relief_formats::file::Relief;
 use relief_runtime::gpu::{Atlas, Device, DeviceError, Heights};
 use relief_runtime::planet::Planet;
 use relief_runtime::residency::Resident;
+use relief_tests::sample_file::Sample;
 
 const LONG: Duration = Duration::from_secs(60);
 

@@ -5,6 +5,4 @@ mod cpu_frame;
 mod gpu_frame;
 mod gpu_heights;
 mod overlays;
-#[path = "../../../tests/support/sample_file.rs"]
-mod sample_file;
 mod support;

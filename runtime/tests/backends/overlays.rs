@@ -13,9 +13,9 @@ use relief_runtime::planet::Planet;
 use relief_runtime::view::{Camera, Sun, View};
 use relief_shaders::frame::light::to_srgb;
 use relief_shaders::frame::overlay::error_colour;
+use relief_tests::sample_file::Sample;
 
 use crate::cpu_frame::{pose, rough};
-use crate::sample_file::Sample;
 
 const LONG: Duration = Duration::from_secs(100);
 const SIZE: [u32; 2] = [160, 120];

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use relief_runtime::gpu::{AdapterChoice, Device};
 use relief_runtime::planet::Planet;
 
-use crate::sample_file::Sample;
+use relief_tests::sample_file::Sample;
 
 /// The device of these tests; none where `RELIEF_NO_GPU=1` says that there is no adapter.
 ///

@@ -1,4 +1,4 @@
-//! Scheme `leb`: adaptive tessellation by longest-edge bisection (DESIGN section 9).
+//! Scheme `leb`: adaptive tessellation by longest-edge bisection.
 //!
 //! A pass takes a list of triangles; each is culled, drawn as a relief triangle, or halved, and
 //! its halves likewise. Passes go on until the list is empty. Nothing is kept from frame to frame.

@@ -1,4 +1,4 @@
-//! One ray from the relief to the sun (DESIGN section 10): paper 001's Algo 3 made right.
+//! One ray from the relief to the sun: paper 001's Algo 3 made right.
 //!
 //! A square whose greatest height stays below the ray is skipped, one whose least height is above
 //! it ends the ray; otherwise its quarter is entered, and in a cell of the wanted level the

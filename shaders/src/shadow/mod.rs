@@ -1,4 +1,4 @@
-//! Shadows of the relief (DESIGN section 10, paper 001).
+//! Shadows of the relief (paper 001).
 //!
 //! `exact` casts one ray through the pyramid of extremes and is the twin of
 //! `wgsl/lib/shadow.wgsl`; `sweep` shades all nodes of a plane at once; `paper` is the paper's own

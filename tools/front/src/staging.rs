@@ -2,18 +2,20 @@
 //! renamed into place. On an error and on Ctrl-C the folder goes away with all that is in it.
 
 use std::fs::File;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, Once, PoisonError};
 
+use relief_formats::file::temporary;
 use tempfile::TempDir;
 
 use crate::error::ToolError;
+use crate::publish::{failed, folder_of, prefix, sync};
 
 /// A temporary folder in the folder of an output.
 pub struct Staging {
     output: PathBuf,
     folder: TempDir,
+    _held: Option<File>,
 }
 
 /// Folders that Ctrl-C must remove.
@@ -51,11 +53,13 @@ impl Staging {
                 std::process::exit(2);
             });
         });
-        let parent = parent_of(output);
-        let made = tempfile::Builder::new().prefix(".relief-").suffix(".part").tempdir_in(parent);
+        let parent = folder_of(output);
+        temporary::remove_stale(output);
+        let made = tempfile::Builder::new().prefix(&prefix(output)).suffix(temporary::SUFFIX).tempdir_in(parent);
         let folder = made.map_err(|error| failed("cannot create a folder in", parent, error))?;
+        let held = File::open(folder.path()).inspect(temporary::hold).ok();
         LIVE.lock().unwrap_or_else(PoisonError::into_inner).push(folder.path().to_path_buf());
-        Ok(Self { output: output.to_path_buf(), folder })
+        Ok(Self { output: output.to_path_buf(), folder, _held: held })
     }
 
     /// A path in the folder.
@@ -74,9 +78,7 @@ impl Staging {
         let synced = File::open(&path).and_then(|file| file.sync_all().and_then(|()| file.metadata()));
         let bytes = synced.map_err(|error| failed("cannot write", &self.output, error))?.len();
         std::fs::rename(&path, &self.output).map_err(|error| failed("cannot rename to", &self.output, error))?;
-        let parent = parent_of(&self.output);
-        let synced = File::open(parent).and_then(|folder| folder.sync_all());
-        synced.map_err(|error| failed("cannot sync", parent, error))?;
+        sync(folder_of(&self.output))?;
         Ok(bytes)
     }
 }
@@ -86,20 +88,6 @@ impl Drop for Staging {
         let mut live = LIVE.lock().unwrap_or_else(PoisonError::into_inner);
         live.retain(|folder| folder != self.folder.path());
     }
-}
-
-fn parent_of(path: &Path) -> &Path {
-    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
-fn failed(action: &'static str, path: &Path, error: io::Error) -> ToolError {
-    let remedy = match error.kind() {
-        io::ErrorKind::NotFound => "create the folder, or name another",
-        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "choose a folder that can be written",
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "free some space, or choose another disk",
-        _ => "choose another output path",
-    };
-    ToolError::Io { action, path: path.to_path_buf(), error, remedy: remedy.into() }
 }
 
 #[cfg(test)]

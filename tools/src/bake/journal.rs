@@ -109,14 +109,7 @@ fn places(tiles: &[EncodedTile], mut at: u64) -> Vec<Placed> {
     tiles
         .iter()
         .map(|tile| {
-            let entry = Entry {
-                key: tile.key,
-                offset: at,
-                lengths: std::array::from_fn(|k| tile.planes[k].len() as u32),
-                min_q: tile.min_q,
-                max_q: tile.max_q,
-                digests: tile.digests,
-            };
+            let entry = tile.entry(at);
             at += entry.bytes();
             entry
         })

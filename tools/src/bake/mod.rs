@@ -5,7 +5,6 @@ mod crown;
 mod handoff;
 mod journal;
 mod plan;
-pub(crate) mod progress;
 mod provenance;
 mod record;
 mod run;

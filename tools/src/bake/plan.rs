@@ -6,7 +6,7 @@ use std::collections::{BTreeSet, HashSet};
 use relief_formats::codec::nodes::SAMPLE_LIMIT;
 use relief_formats::file::header::STEP_EXPONENTS;
 use relief_formats::grid::{Grid, M_RANGE};
-use relief_formats::tile::{TILE_CELLS, TILE_NODES, TileKey};
+use relief_formats::tile::{TILE_CELLS, TileKey};
 
 use crate::source::{NodeWindow, SourceSet};
 use relief_front::error::ToolError;
@@ -80,13 +80,7 @@ impl Plan {
     }
 
     fn has_source(&self, sources: &SourceSet, key: TileKey) -> bool {
-        let window = NodeWindow {
-            level: key.level,
-            x0: i64::from(key.x * TILE_CELLS),
-            y0: i64::from(key.y * TILE_CELLS),
-            nx: TILE_NODES,
-            ny: TILE_NODES,
-        };
+        let window = NodeWindow::of_tile(key);
         (0..sources.len()).any(|s| self.finest[s] <= key.level && sources.covers(s, &self.grid, &window))
     }
 

@@ -16,9 +16,9 @@ use super::crown::crowned;
 use super::handoff::{Handoff, Handoffs};
 use super::journal::{Journal, Placed};
 use super::plan::{BLOCK_LEVELS, Plan};
-use super::progress::Progress;
 use super::provenance::{identity, metadata};
 use super::stage::{BlockKey, Finished, blocks, finish};
+use crate::progress::Progress;
 use crate::source::{SourceOptions, SourceSet, open_sources};
 use relief_front::error::ToolError;
 

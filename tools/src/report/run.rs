@@ -10,7 +10,7 @@ use super::codecs::{Codec, compare};
 use super::measure::{Bench, Case, Measured};
 use super::{csv, figures, page};
 use crate::bake::Plan;
-use crate::bake::progress::Progress;
+use crate::progress::Progress;
 use crate::source::{BodyChoice, Resample, SourceOptions, SourceRecord, SourceSet, open_sources};
 use relief_front::error::ToolError;
 use relief_front::sheet::folder::Folder;

@@ -5,6 +5,7 @@
 //! the source and the finest level it is sampled at, never from the level asked for.
 
 pub(crate) mod axis;
+pub(crate) mod bounds;
 mod coverage;
 pub(crate) mod cylindrical;
 pub(crate) mod kernel;

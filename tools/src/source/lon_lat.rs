@@ -6,9 +6,10 @@ use super::Source;
 use super::raster::Raster;
 use super::sample::{Request, lon_deg};
 use crate::resample::axis::Axis;
+use crate::resample::bounds::Bounds;
 use crate::resample::cylindrical::Rows;
 use crate::resample::kernel::Kernel;
-use crate::resample::projection::{Bounds, Projection};
+use crate::resample::projection::Projection;
 use crate::resample::separable::{Position, Separable, Taps};
 use relief_front::error::ToolError;
 

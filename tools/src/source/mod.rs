@@ -25,6 +25,7 @@ use std::sync::OnceLock;
 
 use relief_formats::body::Body;
 use relief_formats::grid::Grid;
+use relief_formats::tile::{TILE_CELLS, TILE_NODES, TileKey};
 
 pub use centres::Centre;
 pub use geoid::SeaLevel;
@@ -56,6 +57,20 @@ pub struct NodeWindow {
     pub nx: usize,
     /// Rows.
     pub ny: usize,
+}
+
+impl NodeWindow {
+    /// The nodes of a tile.
+    #[must_use]
+    pub fn of_tile(key: TileKey) -> Self {
+        Self {
+            level: key.level,
+            x0: i64::from(key.x * TILE_CELLS),
+            y0: i64::from(key.y * TILE_CELLS),
+            nx: TILE_NODES,
+            ny: TILE_NODES,
+        }
+    }
 }
 
 /// Heights of a [`NodeWindow`], row by row, south row first.

@@ -99,6 +99,7 @@ checks! {
     PlaneLengths "RLF-S014" Error Structure "a level-0 tile has no mip plane, a coarsest one at least its four corners"
     IndexRange "RLF-S015" Error Structure "the header's smallest and largest heights are those of the index"
     Openable "RLF-S016" Error Structure "a reader can open the file"
+    TileNeighbours "RLF-S017" Warning Structure "with a tile, all tiles of the level above that its area touches are present"
     SectionHash "RLF-C001" Error Checksum "every section matches its BLAKE3 in the section table"
     PlaneDecodes "RLF-C002" Error Checksum "every plane of every tile decodes"
     PlaneDigest "RLF-C003" Error Checksum "every plane's samples match their digest in the index"

@@ -3,6 +3,7 @@
 use relief_formats::file::index::{Digest, ENTRY_BYTES, Entry};
 use relief_formats::file::section::{INDEX, TILES};
 use relief_formats::file::{Plane, Relief};
+use relief_formats::grid::Grid;
 use relief_formats::tile::TileKey;
 
 use super::check::Check;
@@ -91,10 +92,50 @@ fn tree(relief: &Relief, findings: &Findings) {
             }
         }
     }
-    for entry in relief.entries().flatten() {
-        if entry.key.level < root && !present(entry.key.parent()) {
-            let what = format!("its parent of level {} is missing", entry.key.level + 1);
-            findings.add(Check::Ancestors, Place::tile(body, &grid, entry.key), what);
+    for key in relief.entries().flatten().map(|entry| entry.key).filter(|key| key.level < root) {
+        let add = |check, what: String| findings.add(check, Place::tile(body, &grid, key), what);
+        if !present(key.parent()) {
+            add(Check::Ancestors, format!("its parent of level {} is missing", key.level + 1));
+        } else if key.level + 1 < root
+            && let Some(missing) = touched(grid, key).into_iter().flatten().find(|&tile| !present(tile))
+        {
+            add(
+                Check::TileNeighbours,
+                format!("tile ({}, {}) of level {} is missing", missing.x, missing.y, missing.level),
+            );
         }
+    }
+}
+
+/// The tiles of the level above that lie beside and across the corner of a tile's parent where the
+/// tile touches them; none beyond a pole or a plane's edge.
+fn touched(grid: Grid, key: TileKey) -> [Option<TileKey>; 3] {
+    let (parent, (east, north)) = (key.parent(), key.quadrant());
+    let level = parent.level;
+    let beside = |at: u32, far: bool, count: u32, wraps: bool| {
+        let at = if far { at + 1 } else { at.wrapping_sub(1) };
+        if wraps { Some(at & (count - 1)) } else { (at < count).then_some(at) }
+    };
+    let x = beside(parent.x, east == 1, grid.tiles_x(level), !grid.plane);
+    let y = beside(parent.y, north == 1, grid.tiles_y(level), false);
+    [
+        x.map(|x| TileKey::new(level, x, parent.y)),
+        y.map(|y| TileKey::new(level, parent.x, y)),
+        x.zip(y).map(|(x, y)| TileKey::new(level, x, y)),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tile_touches_what_lies_on_its_side_of_its_parent() {
+        let globe = Grid::new(11, false);
+        let key = |x, y| Some(TileKey::new(1, x, y));
+        assert_eq!(touched(globe, TileKey::new(0, 5, 6)), [key(3, 3), key(2, 2), key(3, 2)]);
+        assert_eq!(touched(globe, TileKey::new(0, 0, 1)), [key(7, 0), key(0, 1), key(7, 1)]);
+        assert_eq!(touched(globe, TileKey::new(0, 15, 0)), [key(0, 0), None, None]);
+        assert_eq!(touched(Grid::new(11, true), TileKey::new(0, 0, 7)), [None, None, None]);
     }
 }

@@ -26,7 +26,6 @@ mod inputs;
 mod map;
 mod mesh;
 mod planes;
-mod progress;
 pub mod report;
 mod seams;
 mod source;
@@ -42,7 +41,7 @@ pub use finding::{Finding, Findings, Place};
 pub use inputs::Against;
 pub use report::{Report, SourceDifference};
 
-use progress::Progress;
+use crate::progress::Progress;
 use relief_front::error::ToolError;
 
 /// What to check, and with what.
@@ -113,7 +112,7 @@ impl Run<'_> {
         }
         if let Some(container) = &container {
             let progress = Progress::new("sections", bytes.length, options.quiet);
-            container::section_hashes(&mut bytes, container, findings, |n| progress.step(n))?;
+            container::section_hashes(&mut bytes, container, findings, |n| progress.add(n))?;
         }
         let Some(relief) = relief.filter(|_| !findings.any_error(Level::Structure)) else {
             return Ok(Level::Structure);
@@ -121,7 +120,7 @@ impl Run<'_> {
         let tiles = Tiles::new(&relief, options.memory_bytes / 4);
         let count = relief.tile_count() as u64;
         let progress = Progress::new("tiles", count, options.quiet);
-        planes::planes(&relief, &tiles, findings, || progress.step(1));
+        planes::planes(&relief, &tiles, findings, || progress.add(1));
         drop(progress);
         if options.level == Level::Checksum || findings.any_error(Level::Checksum) {
             return Ok(Level::Checksum);
@@ -130,16 +129,16 @@ impl Run<'_> {
         let tiles = tiles.trusting();
         mesh::mesh(&relief, findings);
         let progress = Progress::new("seams", count, options.quiet);
-        seams::seams(&relief, &tiles, findings, || progress.step(1)).map_err(damaged)?;
+        seams::seams(&relief, &tiles, findings, || progress.add(1)).map_err(damaged)?;
         drop(progress);
         let map = map::Map::new(&relief, &tiles).map_err(damaged)?;
         let progress = Progress::new("derived", count, options.quiet);
-        derived::derived(&map, options.memory_bytes, findings, |n| progress.step(n)).map_err(damaged)?;
+        derived::derived(&map, options.memory_bytes, findings, |n| progress.add(n)).map_err(damaged)?;
         drop(progress);
         if options.level == Level::Source {
             let progress = Progress::new("source", count, options.quiet);
             let difference =
-                source::source(&map, &options.against, options.memory_bytes, findings, || progress.step(1))?;
+                source::source(&map, &options.against, options.memory_bytes, findings, || progress.add(1))?;
             self.source = Some(difference);
         }
         Ok(options.level)

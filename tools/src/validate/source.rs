@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 use relief_formats::file::{Entry, Relief};
-use relief_formats::tile::{TILE_CELLS, TILE_NODES};
+use relief_formats::tile::TILE_NODES;
 
 use super::check::Check;
 use super::finding::{Findings, Place};
@@ -102,13 +102,7 @@ impl Compare<'_> {
     fn tile(&self, entry: &Entry) -> Result<Sum, ToolError> {
         let (map, key) = (self.map, entry.key);
         let (grid, body) = (map.grid, map.relief.body());
-        let window = NodeWindow {
-            level: key.level,
-            x0: i64::from(key.x * TILE_CELLS),
-            y0: i64::from(key.y * TILE_CELLS),
-            nx: TILE_NODES,
-            ny: TILE_NODES,
-        };
+        let window = NodeWindow::of_tile(key);
         let (expected, state) = self.expected(&window)?;
         let root = key.level == grid.root_level();
         let new = |at: usize| root || ((at / TILE_NODES) | (at % TILE_NODES)) % 2 == 1;

@@ -71,11 +71,16 @@ fn place(planet: &Planet, [x, y]: [f64; 2], level: u32) -> Result<Place, PlaceEr
 }
 
 fn outside(planet: &Planet, error: &PlaceError, which: &str) -> Fault {
-    let rule = match planet.grid().plane {
+    off_map(planet.grid().plane, format!("{which}{error}"))
+}
+
+/// A point that a planet's map does not have.
+pub fn off_map(plane: bool, what: String) -> Fault {
+    let rule = match plane {
         true => "a point is X and Y of the file's CRS, within its square",
         false => "a point is a longitude (any turn) and a latitude (-90 to 90) in degrees",
     };
-    Fault::new(Code::BadView, format!("{which}{error}"), rule, "correct the coordinates")
+    Fault::new(Code::BadView, what, rule, "correct the coordinates")
 }
 
 fn damaged(error: &FormatError) -> Fault {

@@ -6,5 +6,3 @@ mod probe;
 mod program;
 mod refused;
 mod render;
-#[path = "../../../../tests/support/sample_file.rs"]
-mod sample_file;

@@ -2,10 +2,12 @@
 
 use relief_formats::body::Body;
 use relief_formats::grid::Grid;
+use relief_tests::folder::Folder;
+use relief_tests::plane::{SPACING_M, plane};
+use relief_tests::sample_file::{Sample, wavy_q};
 
 use crate::probe::backends;
-use crate::program::{Folder, SPACING_M, plane, png, reliefd};
-use crate::sample_file::{Sample, wavy_q};
+use crate::program::{png, reliefd};
 
 /// Row of pixel y of a picture with north up, of `rows` rows.
 const fn row(y: usize, rows: usize) -> usize {

@@ -3,10 +3,12 @@
 use relief_formats::body::Body;
 use relief_formats::file::Relief;
 use relief_formats::surface::{Place, Surface};
+use relief_tests::folder::Folder;
+use relief_tests::plane::plane;
+use relief_tests::sample_file::{Sample, wavy_q};
 use serde_json::Value;
 
-use crate::program::{Folder, plane, reliefd, with_input};
-use crate::sample_file::{Sample, wavy_q};
+use crate::program::{program, reliefd, with_input};
 
 /// Backends to test: the GPU's too, unless `RELIEF_NO_GPU=1` says that there is none.
 pub fn backends() -> Vec<&'static str> {
@@ -61,11 +63,11 @@ fn heights_are_those_of_the_surface() {
 #[test]
 fn a_file_that_is_cut_while_it_is_read_ends_no_program() {
     use std::io::{BufRead as _, BufReader, Read as _, Write as _};
-    use std::process::{Command, Stdio};
+    use std::process::Stdio;
 
     let folder = Folder::new();
     let file = folder.sample("globe.relief", &Sample::new(Body::earth(), 11));
-    let mut child = Command::new(env!("CARGO_BIN_EXE_reliefd"))
+    let mut child = program()
         .args(["probe", "--backend", "cpu"])
         .args([file.as_os_str(), "-".as_ref()])
         .stdin(Stdio::piped())

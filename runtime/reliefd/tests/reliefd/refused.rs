@@ -1,9 +1,11 @@
 //! What cannot be done is said with value, rule and remedy, on exit code 2, and writes nothing.
 
 use relief_formats::body::Body;
+use relief_tests::folder::Folder;
+use relief_tests::plane::plane;
+use relief_tests::sample_file::{Sample, wavy_q};
 
-use crate::program::{Folder, plane, reliefd};
-use crate::sample_file::{Sample, wavy_q};
+use crate::program::reliefd;
 
 /// Words of the command and words of its message.
 type Case = (&'static str, &'static [&'static str]);

@@ -2,11 +2,13 @@
 
 use relief_formats::body::Body;
 use relief_formats::grid::Grid;
+use relief_tests::folder::Folder;
+use relief_tests::plane::plane;
+use relief_tests::sample_file::{Sample, wavy_q};
 
 use crate::mask::wall;
 use crate::probe::backends;
-use crate::program::{Folder, plane, png, reliefd};
-use crate::sample_file::{Sample, wavy_q};
+use crate::program::{png, reliefd};
 
 #[test]
 fn a_frame_its_mask_and_its_figures() {

@@ -1,38 +1,15 @@
-//! The program as a child, and files for it.
+//! The program as a child.
 
 use std::io::{BufRead as _, BufReader, Read as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use relief_formats::body::Body;
-
 use crate::balance::Balance;
-use crate::sample_file::Sample;
 
 /// Longer than anything takes on a busy machine.
 pub const LONG: Duration = Duration::from_secs(60);
-
-/// A folder with files.
-pub struct Folder(tempfile::TempDir);
-
-impl Folder {
-    pub fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// A globe of 2^(m+1) x 2^m cells.
-    pub fn globe(&self, name: &str, m: u32) -> PathBuf {
-        let path = self.path(name);
-        Sample::new(Body::earth(), m).write(&path);
-        path
-    }
-}
 
 /// A daemon, until it is dropped.
 pub struct Daemon {

@@ -3,8 +3,9 @@
 use relief_formats::file::{Plane, Relief};
 use relief_formats::tile::TileKey;
 use relief_protocol::error::Code;
+use relief_tests::folder::Folder;
 
-use crate::daemon::{Daemon, Folder};
+use crate::daemon::Daemon;
 use crate::viewer::{Viewer, down};
 
 #[test]

@@ -5,8 +5,9 @@ use std::net::TcpStream;
 use std::time::Instant;
 
 use relief_protocol::error::Code;
+use relief_tests::folder::Folder;
 
-use crate::daemon::{Daemon, Folder, LONG};
+use crate::daemon::{Daemon, LONG};
 use crate::raw::{CAMERA, HELLO, Raw};
 use crate::viewer::{Viewer, down};
 

@@ -5,9 +5,10 @@ use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use relief_protocol::error::Code;
+use relief_tests::folder::Folder;
 use tungstenite::Message;
 
-use crate::daemon::{Daemon, Folder, LONG};
+use crate::daemon::{Daemon, LONG};
 use crate::raw::{CAMERA, HELLO, Raw};
 use crate::viewer::{Viewer, down};
 

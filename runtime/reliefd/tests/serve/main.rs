@@ -12,8 +12,6 @@ mod hostile;
 mod many;
 mod raw;
 mod replaced;
-#[path = "../../../../tests/support/sample_file.rs"]
-mod sample_file;
 mod slow;
 mod truncated;
 mod turns;

@@ -4,8 +4,9 @@ use std::thread;
 
 use relief_client::{Attached, Options};
 use relief_protocol::error::Code;
+use relief_tests::folder::Folder;
 
-use crate::daemon::{Daemon, Folder, LONG};
+use crate::daemon::{Daemon, LONG};
 use crate::raw::{HELLO, Raw};
 use crate::viewer::{Viewer, down};
 

@@ -5,9 +5,10 @@ use std::path::Path;
 use relief_formats::body::Body;
 use relief_protocol::error::Code;
 use relief_protocol::to_viewer::ToViewer;
+use relief_tests::folder::Folder;
+use relief_tests::sample_file::Sample;
 
-use crate::daemon::{Daemon, Folder};
-use crate::sample_file::Sample;
+use crate::daemon::Daemon;
 use crate::viewer::{Viewer, down};
 
 /// Patience: the files are looked at 20 times a second.

@@ -2,7 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use crate::daemon::{Daemon, Folder};
+use relief_tests::folder::Folder;
+
+use crate::daemon::Daemon;
 use crate::raw::{CAMERA, Raw};
 use crate::viewer::{Viewer, down};
 

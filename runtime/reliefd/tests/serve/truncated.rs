@@ -2,8 +2,9 @@
 
 use relief_protocol::error::Code;
 use relief_protocol::to_viewer::ToViewer;
+use relief_tests::folder::Folder;
 
-use crate::daemon::{Daemon, Folder};
+use crate::daemon::Daemon;
 use crate::viewer::{Viewer, down};
 
 #[test]

@@ -4,11 +4,12 @@ use geographiclib_rs::{DirectGeodesic as _, Geodesic};
 use relief_formats::body::Body;
 use relief_formats::file::Relief;
 use relief_formats::surface::{Place, Surface};
+use relief_tests::png::decode;
+use relief_tests::sample_file::Sample;
 use serde_json::{Value, json};
 
 use crate::client::ask;
-use crate::daemon::{Daemon, Files, png, read, run};
-use crate::sample_file::Sample;
+use crate::daemon::{Daemon, Files, read, run};
 
 const VIEW: &str = "camera=20,10,300000,30,-25&fov=50&size=160x90&sun=60,10";
 const VIEW_FLAGS: &str = "--camera 20,10,300000,30,-25 --fov 50 --size 160x90 --sun 60,10";
@@ -97,12 +98,12 @@ fn pictures_are_those_of_render() {
     let daemon = Daemon::start(&files, "");
     let words = format!("render DIR/globe.relief --backend cpu {VIEW_FLAGS} --out DIR/a.png --mesh DIR/a.glb");
     assert_eq!(run(&files, &words).0, 0);
-    let (width, height, 3, known) = png(&read(&files.path("a.png"))) else { panic!("not RGB") };
+    let (width, height, 3, known) = decode(&read(&files.path("a.png"))) else { panic!("not RGB") };
     let answer = daemon.get(&format!("/v1/planets/globe/render?{VIEW}")).good();
     assert_eq!(answer.header("content-type"), Some("image/png"));
     assert_eq!(answer.header("x-relief-complete"), Some("true"));
     assert_eq!(answer.header("x-relief-sun"), Some("60.000000,10.000000"));
-    let (w, h, 4, found) = png(&answer.body) else { panic!("not RGBA") };
+    let (w, h, 4, found) = decode(&answer.body) else { panic!("not RGBA") };
     assert_eq!((w, h), (width, height));
     assert!(known.as_chunks::<3>().0.iter().zip(found.as_chunks::<4>().0).all(|(a, b)| a == &b[..3] && b[3] == 255));
     let mesh = daemon.get(&format!("/v1/planets/globe/mesh.glb?{VIEW}")).good();
@@ -132,7 +133,7 @@ fn pictures_are_packed_as_asked() {
     assert_eq!(coarse("pixel_error").body, coarse("pixel-error").body);
     assert_ne!(coarse("pixel_error").header("x-relief-triangles"), wanted.header("x-relief-triangles"));
     let plane = daemon.get("/v1/planets/plane/render?camera=4840,5840,3000&size=64x48&sun=135,12&soft=1&overlay=lod");
-    assert_eq!(png(&plane.good().body).0, 64);
+    assert_eq!(decode(&plane.good().body).0, 64);
 }
 
 #[test]
@@ -148,13 +149,13 @@ fn masks_are_those_of_mask() {
         assert_eq!(answer.header("x-relief-geotransform").unwrap().split(',').count(), 6);
     }
     let at = daemon.get("/v1/planets/globe/shadow?time=2026-06-21T12:00:00Z&level=1").good();
-    let (width, height, 1, lit) = png(&at.body) else { panic!("not grey") };
+    let (width, height, 1, lit) = decode(&at.body) else { panic!("not grey") };
     assert_eq!((width, height), (512, 257));
     let share = lit.iter().map(|&lit| f64::from(lit)).sum::<f64>() / 255.0 / lit.len() as f64;
     assert!((share - at.header("x-relief-lit").unwrap().parse::<f64>().unwrap()).abs() < 1e-6);
     assert!((0.2..0.8).contains(&share), "{share}");
     let plane = daemon.get("/v1/planets/plane/shadow?sun=90,20").good();
-    assert_eq!((png(&plane.body).0, png(&plane.body).1), (256, 256));
+    assert_eq!((decode(&plane.body).0, decode(&plane.body).1), (256, 256));
 }
 
 /// Tiles that are not at hand come in turns of their own.

@@ -5,31 +5,28 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use relief_formats::body::Body;
+use relief_tests::folder::Folder;
+use relief_tests::plane::plane;
+use relief_tests::sample_file::wavy_q;
 
 use crate::client::{Answer, ask};
-use crate::sample_file::Sample;
 
 /// Longest time for anything that is waited for.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Side of a plane's cell, metres.
-pub const SPACING_M: f64 = 30.0;
-
 /// A folder with `globe.relief` (the Earth, m = 9) and `plane.relief` (256 x 256 cells).
-pub struct Files(tempfile::TempDir);
+pub struct Files(Folder);
 
 impl Files {
     pub fn new() -> Self {
-        let files = Self(tempfile::tempdir().unwrap());
-        Sample::new(Body::earth(), 9).write(&files.path("globe.relief"));
-        let body = Body::Plane { crs_wkt: String::new(), x0: 1000.0, y0: 2000.0, dx: SPACING_M, dy: SPACING_M };
-        Sample::new(body, 8).write(&files.path("plane.relief"));
-        files
+        let folder = Folder::new();
+        folder.globe("globe.relief", 9);
+        folder.sample("plane.relief", &plane(wavy_q));
+        Self(folder)
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        self.0.path(name)
     }
 
     /// A command of the program in words, `DIR/` standing for this folder.
@@ -45,7 +42,7 @@ impl Files {
     }
 
     pub fn words(&self, words: &str) -> Vec<String> {
-        words.split_whitespace().map(|word| word.replace("DIR/", &format!("{}/", self.0.path().display()))).collect()
+        words.split_whitespace().map(|word| word.replace("DIR/", &format!("{}/", self.0.dir().display()))).collect()
     }
 }
 
@@ -127,14 +124,6 @@ pub fn poll<T>(what: &str, mut question: impl FnMut() -> Option<T>) -> T {
 pub fn run(files: &Files, words: &str) -> (i32, String) {
     let output = files.command(words).output().unwrap();
     (output.status.code().unwrap_or(-1), String::from_utf8_lossy(&output.stderr).into_owned())
-}
-
-/// Pixels of an 8-bit PNG: width, height, channels, samples.
-pub fn png(bytes: &[u8]) -> (u32, u32, usize, Vec<u8>) {
-    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-    let mut samples = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut samples).unwrap();
-    (info.width, info.height, info.color_type.samples(), samples)
 }
 
 /// A file's bytes.

@@ -12,6 +12,4 @@ mod figures;
 mod guarded;
 mod managed;
 mod refused;
-#[path = "../../../../tests/support/sample_file.rs"]
-mod sample_file;
 mod schema;

@@ -1,18 +1,21 @@
 //! The folder of a report: made if it is missing, unmade if the report fails.
 
+use std::fs::File;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+use relief_formats::file::temporary;
 use tempfile::TempDir;
 
 use crate::error::ToolError;
-use crate::publish::publish;
+use crate::publish::{self, publish};
 
 /// An output folder with a scratch folder in it, which goes whatever happens.
 pub struct Folder {
     path: PathBuf,
     made: bool,
     scratch: Option<TempDir>,
+    held: Option<File>,
 }
 
 impl Folder {
@@ -23,6 +26,8 @@ impl Folder {
     /// system says no.
     pub fn open(path: &Path, force: bool) -> Result<Self, ToolError> {
         let shown = path.display();
+        let scratch_name = path.join("scratch");
+        temporary::remove_stale(&scratch_name);
         let made = match std::fs::read_dir(path).map(|mut content| content.next().is_some()) {
             Ok(true) if !force => {
                 return Err(ToolError::usage(
@@ -45,9 +50,12 @@ impl Folder {
             }
             Err(error) => return Err(failed("cannot read the folder", path, error)),
         };
-        let mut folder = Self { path: path.to_path_buf(), made, scratch: None };
-        let scratch = tempfile::Builder::new().prefix(".relief-").tempdir_in(path);
-        folder.scratch = Some(scratch.map_err(|error| failed("cannot create a folder in", path, error))?);
+        let mut folder = Self { path: path.to_path_buf(), made, scratch: None, held: None };
+        let prefix = publish::prefix(&scratch_name);
+        let scratch = tempfile::Builder::new().prefix(&prefix).suffix(temporary::SUFFIX).tempdir_in(path);
+        let scratch = scratch.map_err(|error| failed("cannot create a folder in", path, error))?;
+        folder.held = File::open(scratch.path()).inspect(temporary::hold).ok();
+        folder.scratch = Some(scratch);
         Ok(folder)
     }
 
@@ -62,6 +70,7 @@ impl Folder {
     /// # Errors
     /// What the system answered.
     pub fn publish(mut self, files: &[(&str, String)], stale: &[&str]) -> Result<(), ToolError> {
+        self.held = None;
         if let Some(scratch) = self.scratch.take() {
             scratch.close().map_err(|error| failed("cannot remove a folder in", &self.path, error))?;
         }
@@ -100,13 +109,13 @@ impl Drop for Folder {
 }
 
 fn failed(action: &'static str, path: &Path, error: io::Error) -> ToolError {
-    let remedy = match error.kind() {
-        io::ErrorKind::NotFound => "create the folder it is to lie in, or name another",
-        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "choose a folder that can be written",
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "free some space, or choose another disk",
-        _ => "choose another folder",
-    };
-    ToolError::Io { action, path: path.to_path_buf(), error, remedy: remedy.into() }
+    match error.kind() {
+        io::ErrorKind::NotFound => {
+            let remedy = "create the folder it is to lie in, or name another".into();
+            ToolError::Io { action, path: path.to_path_buf(), error, remedy }
+        }
+        _ => publish::failed(action, path, error),
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Projections whose columns are meridians and whose rows are parallels: found, and sampled as
 //! the general way would.
 
-use super::positions::{check_consistency, field_in, hard_windows, sine};
+use super::consistency::{check_consistency, hard_windows};
+use super::positions::{field_in, sine};
 use super::*;
 use crate::resample::cylindrical::Rows;
 use crate::resample::projection::{Projection, geographic_part};

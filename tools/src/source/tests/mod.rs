@@ -9,6 +9,7 @@ use relief_formats::grid::Grid;
 
 use super::*;
 
+mod consistency;
 mod cylindrical;
 mod files;
 mod meaning;

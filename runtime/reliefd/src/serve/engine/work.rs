@@ -1,7 +1,8 @@
 //! The engine's thread.
 
+mod recover;
+
 use std::collections::BTreeMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -16,8 +17,9 @@ use super::picture::{Hold, Picture, stats};
 use super::recovery::Recovery;
 use super::slot::{Ask, Sink};
 use super::{Limits, Listener};
-use crate::backend::{Backend, BackendChoice};
+use crate::backend::Backend;
 use crate::serve::ask::{Asked, asked, of_draw};
+use recover::guarded;
 
 /// Least time between two words on damaged tiles.
 const DAMAGE_TOLD: Duration = Duration::from_secs(2);
@@ -70,26 +72,6 @@ impl Worker {
                 self.fell(drawn);
             }
         }
-    }
-
-    /// After a panic, which is a defect of ours: who asked is told, and all others go on with tiles
-    /// made anew.
-    fn fell(&mut self, drawn: Option<(u64, Ask, Sink)>) {
-        let fault = Fault::new(
-            Code::Internal,
-            "a view that the daemon fell over",
-            "every view is drawn or refused",
-            "tell whoever runs the daemon; its log says more. Other views are drawn on",
-        );
-        if let Some((slot, ask, sink)) = drawn {
-            self.board.forget(slot);
-            self.lacked.remove(&slot);
-            sink(Err(fault.at(ask.view)));
-        } else {
-            self.listener.fault(fault);
-        }
-        // Where that fails the old ones may still do.
-        let _ = guarded(|| self.renew(self.limits.backend));
     }
 
     fn draw(&mut self, slot: u64, ask: &Ask, seq: u64, sink: &Sink) {
@@ -204,44 +186,6 @@ impl Worker {
             }
         }
     }
-
-    /// Makes device and tiles anew; without a GPU that works, all cores draw if they may. True when
-    /// all views are about to be drawn again.
-    fn recover(&mut self, error: &DeviceError) -> bool {
-        self.listener.fault(Fault::new(
-            Code::Device,
-            error.to_string(),
-            "drawing needs a GPU that works",
-            "wait: the daemon makes the device anew, and pictures follow",
-        ));
-        for wait in self.recovery.waits {
-            std::thread::sleep(*wait);
-            if self.renew(self.limits.backend).is_ok() {
-                return true;
-            }
-        }
-        // The twins have no device to lose.
-        self.limits.backend == BackendChoice::Auto && self.renew(BackendChoice::Cpu).is_ok()
-    }
-
-    fn renew(&mut self, choice: BackendChoice) -> Result<(), Fault> {
-        let backend = match (choice, &self.backend) {
-            (BackendChoice::Cpu, _) => Backend::Cpu,
-            // A software adapter that was asked for is one again.
-            (BackendChoice::Auto, Backend::Gpu(_)) => (self.recovery.find)(BackendChoice::Gpu)?,
-            (choice, _) => (self.recovery.find)(choice)?,
-        };
-        self.drawer = Drawer::new(&backend, &self.planet, self.limits.atlas_bytes).map_err(of_draw)?;
-        self.backend = backend;
-        self.lacked.clear();
-        self.board.again();
-        Ok(())
-    }
-}
-
-fn guarded<T>(work: impl FnOnce() -> T) -> std::thread::Result<T> {
-    // What a panic leaves behind is made anew before it is used again.
-    catch_unwind(AssertUnwindSafe(work))
 }
 
 /// Closes the board at its end.

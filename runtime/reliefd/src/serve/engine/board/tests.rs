@@ -1,16 +1,5 @@
 use super::*;
-use relief_protocol::view::View;
-
-fn ask(view: u64) -> Ask {
-    Ask {
-        view,
-        what: Arc::new(View::down([0.0; 3], [1, 1])),
-        mesh: false,
-        places: false,
-        arrived: Instant::now(),
-        until: None,
-    }
-}
+use crate::serve::engine::slot::tests::ask;
 
 fn drawn(board: &Board) -> u64 {
     match board.next() {
@@ -32,7 +21,7 @@ fn clients_take_turns_and_so_do_their_cameras() {
     let mut order = Vec::new();
     for _ in 0..6 {
         for slot in [a1, a2, a3, b] {
-            board.ask(slot, ask(1));
+            board.ask(slot, ask(1, None));
         }
         order.push(drawn(&board));
     }
@@ -43,7 +32,7 @@ fn clients_take_turns_and_so_do_their_cameras() {
 fn a_round_ends_with_loading_while_tiles_are_missing() {
     let board = Board::default();
     let slot = board.add(1, Arc::new(|_| ()));
-    board.ask(slot, ask(1));
+    board.ask(slot, ask(1, None));
     assert!(matches!(board.next(), Next::Draw { .. }));
     assert!(board.drawn(slot, None, 3));
     board.handed_over(slot);
@@ -62,7 +51,7 @@ fn one_picture_waits_for_its_tiles_but_not_for_what_never_comes() {
     let board = Board::default();
     let slot = board.add(1, Arc::new(|_| ()));
     let until = Instant::now() + std::time::Duration::from_secs(60);
-    board.ask(slot, Ask { until: Some(until), ..ask(1) });
+    board.ask(slot, ask(1, Some(until)));
     assert!(matches!(board.next(), Next::Draw { .. }));
     assert!(!board.drawn(slot, Some(until), 1), "it is kept back");
     assert!(matches!(board.next(), Next::Load));
@@ -75,11 +64,11 @@ fn one_picture_waits_for_its_tiles_but_not_for_what_never_comes() {
 fn loading_that_was_stuck_goes_on_with_another_view() {
     let board = Board::default();
     let [slot, other] = [1, 2].map(|client| board.add(client, Arc::new(|_| ())));
-    board.ask(slot, ask(1));
+    board.ask(slot, ask(1, None));
     assert!(matches!(board.next(), Next::Draw { .. }));
     board.drawn(slot, None, 9);
     board.loaded(&Progress { missing: 9, full: true, ..Progress::default() }, &[(slot, 9)]);
-    board.ask(other, ask(1));
+    board.ask(other, ask(1, None));
     assert!(matches!(board.next(), Next::Draw { .. }));
     board.drawn(other, None, 1);
     assert!(matches!(board.next(), Next::Load));
@@ -90,7 +79,7 @@ fn loading_that_was_stuck_goes_on_with_another_view() {
 fn a_client_has_two_pictures_on_their_way_and_no_more() {
     let board = Board::default();
     let slots = [(); 3].map(|()| board.add(1, Arc::new(|_| ())));
-    slots.iter().for_each(|&slot| board.ask(slot, ask(1)));
+    slots.iter().for_each(|&slot| board.ask(slot, ask(1, None)));
     let started = |board: &Board| match board.lock().turn(Instant::now()) {
         Some(Next::Draw { slot, .. }) => Some(slot),
         _ => None,

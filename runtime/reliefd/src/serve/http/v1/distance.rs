@@ -7,6 +7,7 @@ use relief_protocol::error::{Code, Fault};
 use relief_runtime::planet::Planet;
 use utoipa::ToSchema;
 
+use crate::serve::heights::off_map;
 use crate::serve::http::at::At;
 use crate::serve::http::refused::Refused;
 use crate::serve::http::words::Words;
@@ -71,11 +72,6 @@ fn on_globe([lon, lat]: [f64; 2]) -> Result<[f64; 2], Fault> {
     match (-90.0..=90.0).contains(&lat) {
         // The remainder is exact, and a longitude of many turns is one of one.
         true => Ok([lon % 360.0, lat]),
-        false => Err(Fault::new(
-            Code::BadView,
-            format!("latitude {lat}"),
-            "a point is a longitude (any turn) and a latitude (-90 to 90) in degrees",
-            "correct the coordinates",
-        )),
+        false => Err(off_map(false, format!("latitude {lat}"))),
     }
 }
