@@ -27,6 +27,7 @@ macro_rules! layout {
 
 fn shared() -> Vec<Layout> {
     use frame::uniform::UniformMesh;
+    use relief_shaders::shadow::{PointSun, SunlitPoint};
     vec![
         layout!(
             "Planet",
@@ -85,6 +86,8 @@ fn shared() -> Vec<Layout> {
         ),
         layout!("UniformMesh", UniformMesh, level, columns, rows, padding),
         layout!("Point", pages::Point, s, t, level, height_m),
+        layout!("PointSun", PointSun, sun, level),
+        layout!("SunlitPoint", SunlitPoint, s, t, height_m, visible),
         layout!("Corner", leb::Corner, s, t, height_m, level),
         layout!("Triangle", leb::Triangle, s, t, code),
         layout!(

@@ -7,4 +7,5 @@ mod gpu_heights;
 mod overlays;
 #[path = "../../../tests/support/sample_file.rs"]
 mod sample_file;
+mod sunlight;
 mod support;
