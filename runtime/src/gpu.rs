@@ -7,6 +7,7 @@ mod frame;
 mod heights;
 mod kernel;
 mod lists;
+mod paper;
 mod pending;
 mod picture;
 mod present;

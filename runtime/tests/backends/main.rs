@@ -5,6 +5,7 @@ mod cpu_frame;
 mod gpu_frame;
 mod gpu_heights;
 mod overlays;
+mod paper_shadows;
 #[path = "../../../tests/support/sample_file.rs"]
 mod sample_file;
 mod sunlight;
