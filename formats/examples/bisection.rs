@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use relief_formats::derive::{crown, decode_deviation};
+use relief_formats::derive::decode_deviation;
 use relief_formats::file::Relief;
 use relief_formats::tile::{TILE_CELLS, TILE_NODES, TileKey};
 use relief_formats::tiles::Tiles;
@@ -31,11 +31,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     for key in relief.entries().map(|e| e.map(|e| e.key)) {
         let key: TileKey = key?;
-        let Some(mut codes) = tiles.deviations(key)? else { continue };
+        let Some(codes) = tiles.deviations(key)? else { continue };
         let last = grid.tiles_x(key.level) - 1;
-        if key.level == grid.root_level() {
-            crown::crown(grid, &tiles.nodes(key)?, &mut codes);
-        }
         // A node on two tiles' border belongs to the western or southern one's neighbour.
         let size = |tile: u32| TILE_CELLS as usize + usize::from(tile == last);
         for row in 0..size(key.y) {

@@ -20,7 +20,7 @@ pub struct TileSamples<'a> {
     pub parent_mean: Option<&'a [i32]>,
     /// True extremes, 128 x 128.
     pub extremes: &'a [Extremes],
-    /// Deviation codes, 257 x 257.
+    /// Deviation codes, 257 x 257; a root's with the crown's, see [`crate::derive::crown`].
     pub deviations: &'a [u8],
     /// Which nodes are filled, 257 x 257.
     pub filled: &'a [bool],
@@ -52,7 +52,7 @@ pub fn encode(tile: &TileSamples<'_>) -> EncodedTile {
     };
     let mip = if finest { Vec::new() } else { mip::encode(tile.mip, tile.nodes, tile.parent_mean) };
     let (hext, bounds) = hext::encode(tile.extremes, tile.nodes);
-    let deviation = deviation::encode(tile.deviations, tile.nodes);
+    let deviation = deviation::encode(tile.deviations, tile.nodes, tile.root);
     let digests = [
         digest(bytemuck::cast_slice(&little_endian(tile.nodes))),
         if finest { Digest::default() } else { digest(bytemuck::cast_slice(&little_endian(tile.mip))) },

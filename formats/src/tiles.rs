@@ -130,12 +130,14 @@ impl<'a> Tiles<'a> {
         self.checked(&entry, Plane::Hext, bounds, |b| digest(&hext_bytes(b)))
     }
 
-    /// Deviation codes of the tile's new nodes, 257 x 257, 0 at the others; see
-    /// [`crate::derive::decode_deviation`]. None for an absent tile: nothing is stored for it.
+    /// Deviation codes of the tile's new nodes, 257 x 257, see [`crate::derive::decode_deviation`]; 0 at
+    /// the others, but at the root level codes of the levels above. None for an absent tile: nothing
+    /// is stored for it.
     pub fn deviations(&self, key: TileKey) -> Result<Option<Vec<u8>>, FormatError> {
         let Some(entry) = self.relief().find(key)? else { return Ok(None) };
         let samples = self.nodes(key)?;
-        let codes = deviation::decode(self.relief().plane_bytes(&entry, Plane::Deviation), &samples);
+        let root = key.level == self.relief().grid().root_level();
+        let codes = deviation::decode(self.relief().plane_bytes(&entry, Plane::Deviation), &samples, root);
         self.checked(&entry, Plane::Deviation, codes, |c| digest(c)).map(Some)
     }
 

@@ -61,12 +61,12 @@ class Residuals:
             return
         need(len(data) >= 6, "residual stream: no room for its lengths")
         headers, words = struct.unpack_from("<HI", data)
-        need(len(data) >= 6 + headers + words and words >= 16 and words % 2 == 0, "residual stream: lengths")
+        need(len(data) >= 6 + headers + words and words >= 128 and words % 2 == 0, "residual stream: lengths")
         self.headers = data[6:6 + headers]
         words = data[6 + headers:6 + headers + words]
-        self.states = list(struct.unpack_from("<4I", words))
+        self.states = list(struct.unpack_from("<32I", words))
         need(min(self.states) >= 65536, "residual stream: a start state is too small")
-        self.words = iter(struct.unpack(f"<{len(words) // 2 - 8}H", words[16:]))
+        self.words = iter(struct.unpack(f"<{len(words) // 2 - 64}H", words[128:]))
         raw = data[6 + headers + len(words):]
         self.raw_bits, self.position = 8 * len(raw), 0
         self.raw = np.frombuffer(raw + bytes(8), np.uint8)
@@ -125,14 +125,14 @@ class Residuals:
     def _tokens(self, tables):
         states, words, tokens = self.states, self.words, []
         for n, table in enumerate(tables):
-            x = states[n & 3]
+            x = states[n & 31]
             token, frequency, offset = _TABLES[table][x & 2047]
             x = (x >> 11) * frequency + offset
             if x < 65536:
                 word = next(words, None)
                 need(word is not None, "residual stream: too few words")
                 x = x << 16 | word
-            states[n & 3] = x
+            states[n & 31] = x
             tokens.append(token)
         return np.array(tokens, np.int64)
 
@@ -150,7 +150,7 @@ class Residuals:
         if self.empty:
             return
         need(not self.headers and next(self.words, None) is None, "residual stream: bytes left over")
-        need(self.states == [65536] * 4, "residual stream: a state does not end at its start")
+        need(self.states == [65536] * 32, "residual stream: a state does not end at its start")
         left = self.raw_bits - self.position
         need(left < 8, "residual stream: raw bytes left over")
         need(left == 0 or int(self.raw[self.raw_bits // 8 - 1]) >> (8 - left) == 0, "residual stream: dirty padding")
@@ -392,12 +392,62 @@ def _groups(data, context, bounds):
     return values, data[at:]
 
 
-def deviation(data, own):
-    """Deviation codes of a present tile (8.2)."""
-    local = local_deviation(own)
+def _apart(own, n, apex):
+    """How far nodes lie from a triangle's plane, in sixteenths of a step, rounded up: the largest in
+    each cell of 2n x 2n root cells. Its southern side and its centre (`apex` True), or its south-west
+    half with the right angle."""
+    cells = np.lib.stride_tricks.sliding_window_view(own, (2 * n + 1, 2 * n + 1))[::2 * n, ::2 * n]
+    w, u = np.mgrid[:2 * n + 1, :2 * n + 1]
+    a, b, c = cells[..., :1, :1], cells[..., :1, -1:], cells[..., -1:, :1]
+    if apex:
+        inside, rise = (u >= w) & (u <= 2 * n - w), 2 * cells[..., n:n + 1, n:n + 1] - a - b
+    else:
+        inside, rise = u + w <= 2 * n, c - a
+    off = (np.abs(2 * n * (cells - a) - (b - a) * u - rise * w) * inside).max(axis=(-1, -2))
+    return (16 * off + 2 * n - 1) // (2 * n)
+
+
+# New nodes of the seven levels above the root's, in a root tile.
+CROWN = [(2 * n + 1) ** 2 - (n + 1) ** 2 for n in (64, 32, 16, 8, 4, 2, 1)]
+
+
+def _crown(codes, own, above):
+    """Fills a root tile's codes at even nodes: the larger of a node's own code and its children's, and
+    `above` on top. Returns how far own codes exceed the children's (8.3)."""
+    above, excess = iter(np.split(above, np.cumsum(CROWN))), []
+    for n in (2, 4, 8, 16, 32, 64, 128):
+        put, side = 2 * n, 128 // n * (128 // n + 1)
+        part = iter(np.split(next(above), [side, 2 * side]))
+
+        def fill(at, value, near):
+            own_code, near = _code(value), np.maximum.reduce(near)
+            excess.append((own_code - near).ravel())
+            codes[at] = (np.maximum(own_code, near) + next(part).reshape(value.shape)) % 256
+
+        below = np.pad(codes[n // 2::n, n // 2::n], 1)
+        south, north = _apart(own, n, True), _apart(own[::-1], n, True)[::-1]
+        west, east = _apart(own.T, n, True).T, _apart(own[:, ::-1].T, n, True).T[:, ::-1]
+        rows = np.maximum(np.pad(south, ((0, 1), (0, 0))), np.pad(north, ((1, 0), (0, 0))))
+        columns = np.maximum(np.pad(west, ((0, 0), (0, 1))), np.pad(east, ((0, 0), (1, 0))))
+        for value, at, j, i in ((rows, np.s_[::put, n::put], 0, 1), (columns, np.s_[n::put, ::put], 1, 0)):
+            ny, nx = value.shape
+            fill(at, value, [below[j + b::2, i + a::2][:ny, :nx] for b in (0, 1) for a in (0, 1)])
+        south_west, south_east, north_west, north_east = (
+            _apart(own[::j, ::i], n, False)[::j, ::i] for j in (1, -1) for i in (1, -1))
+        y, x = np.mgrid[:len(south), :len(south)]
+        value = np.where((x + y) % 2 == 0, np.maximum(south_east, north_west), np.maximum(south_west, north_east))
+        fill(np.s_[n::put, n::put], value,
+             [codes[:-1:put, n::put], codes[put::put, n::put], codes[n::put, :-1:put], codes[n::put, put::put]])
+    return np.concatenate(excess)
+
+
+def deviation(data, own, root):
+    """Deviation codes of a present tile (8.2, 8.3)."""
+    local = local_deviation(own).astype(np.int64)
+    own, codes = own.astype(np.int64), local.copy()
+    excess = _crown(codes, own, np.zeros(sum(CROWN), np.int64)) if root else None
     if not data:
-        return local
-    local = local.astype(np.int64)
+        return codes.astype(np.uint8)
     centre, sides = local[1::2, 1::2], [local[::2, 1::2], local[1::2, ::2]]
     pad = np.pad(centre, 1, mode="edge")
     around = sum(pad[b:b + HALF, a:a + HALF] for a in range(3) for b in range(3))
@@ -407,10 +457,18 @@ def deviation(data, own):
     lids = [np.minimum(pad[:-1, 1:-1], pad[1:, 1:-1]), np.minimum(pad[1:-1, :-1], pad[1:-1, 1:])]
     room = np.concatenate([np.maximum(0, lid - side).ravel() for lid, side in zip(lids, sides)])
     values, data = _groups(data, room, [1, 2, 3, 5, 7, 10, 15])
-    need(not data, "deviation: bytes left over")
     parts = np.split(values, [sides[0].size])
     h, v = [(side + part.reshape(side.shape)) % 256 for side, part in zip(sides, parts)]
-    return join(np.zeros((HALF + 1, HALF + 1), np.int64), centre, h, v).astype(np.uint8)
+    codes = join(np.zeros((HALF + 1, HALF + 1), np.int64), centre, h, v)
+    if root:
+        activity = (1 << np.searchsorted([-6, -3, -1, 0, 1, 2, 4], excess, side="right")) - 1
+        stream = Residuals(data)
+        above = _number(stream.take(activity.reshape(127, 131)), 255)
+        stream.finish()
+        _crown(codes, own, above.ravel())
+    else:
+        need(not data, "deviation: bytes left over")
+    return codes.astype(np.uint8)
 
 
 def filled(data):

@@ -156,6 +156,8 @@ class Relief:
             samples = planes.mip(data, self.read("nodes", level, x, y), mean)
         elif plane == "filled":
             samples = planes.filled(data)
+        elif plane == "deviation":
+            samples = planes.deviation(data, self.read("nodes", level, x, y), not below)
         else:
             samples = getattr(planes, plane)(data, self.read("nodes", level, x, y))
         need(digest(samples) == digests[n], f"{plane} of level {level} tile ({x}, {y}): another digest")

@@ -90,7 +90,7 @@ class Specification(unittest.TestCase):
         self.assertEqual(struct.unpack_from("<BBBb", header, 32), (0, 8, 0, -4))
 
     def test_the_residual_stream(self):
-        stream = planes.Residuals(bytes.fromhex(next(b for b in self.blocks if b.startswith("0b 00 10"))))
+        stream = planes.Residuals(bytes.fromhex(next(b for b in self.blocks if b.startswith("0b 00 80"))))
         activity = np.array([0, 0, 1, 9, 0, 1])
         self.assertEqual(stream.take(activity).tolist(), [0, -1, 3, 40, 0, -2])
         self.assertEqual(stream.take(activity).tolist(), [0] * 6)

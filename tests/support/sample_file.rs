@@ -4,6 +4,7 @@ use std::path::Path;
 
 use relief_formats::body::Body;
 use relief_formats::codec::nodes::{HALF, quarter};
+use relief_formats::derive::crown::{crown, lay};
 use relief_formats::derive::{Base, Field, LevelPlanes, Window, derive_block, padding};
 use relief_formats::file::writer::{FileSpec, write};
 use relief_formats::file::{Entry, Metadata};
@@ -63,7 +64,12 @@ impl Sample {
             let j = j.min(grid.height(0) - 1);
             (self.absent)(TileKey::new(k, (i >> k) / TILE_CELLS, (j >> k) / TILE_CELLS))
         };
-        let planes = derive_block(base, core, levels, Some(&absent)).levels;
+        let mut block = derive_block(base, core, levels, Some(&absent));
+        let codes = crown(grid, &[&block.next]);
+        if let Some(root) = block.levels.last_mut() {
+            lay(&codes, &mut root.deviations);
+        }
+        let planes = block.levels;
         let tiles: Vec<EncodedTile> = planes.iter().flat_map(|level| self.tiles(grid, &planes, level)).collect();
         let metadata = Metadata {
             body: self.body.clone(),

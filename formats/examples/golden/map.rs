@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::error::Error;
 
 use relief_formats::codec::nodes::{HALF, interpolate};
+use relief_formats::derive::crown::{crown, lay};
 use relief_formats::derive::extremes::Extremes;
 use relief_formats::derive::{Base, Field, LevelPlanes, Window, derive_block, padding};
 use relief_formats::file::Relief;
@@ -104,8 +105,12 @@ impl Map {
         let core = Window::new(0, 0, self.grid.width(0) as usize, self.grid.height(0) as usize);
         let nodes = Field::from_fn(core.expand(padding(levels)).nodes(), |i, j| self.node(0, i, j));
         let base = Base { level: 0, nodes, mip: None, below: None };
-        let planes = derive_block(base, core, levels, Some(&|k, i, j| self.is_absent(k, i, j))).levels;
-        self.present.iter().map(|&key| self.tile(key, &planes)).collect()
+        let mut block = derive_block(base, core, levels, Some(&|k, i, j| self.is_absent(k, i, j)));
+        let codes = crown(self.grid, &[&block.next]);
+        if let Some(root) = block.levels.last_mut() {
+            lay(&codes, &mut root.deviations);
+        }
+        self.present.iter().map(|&key| self.tile(key, &block.levels)).collect()
     }
 
     /// Compares the nodes of every tile that a file has or has not with the map.

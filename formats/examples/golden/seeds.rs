@@ -29,7 +29,8 @@ pub fn write(corpus: &Path) -> Result<(), Box<dyn Error>> {
             for plane in Plane::ALL {
                 // The order of the harness: root nodes, nodes, mip, hext, deviation, filled.
                 let kind = plane as u8 + u8::from(!root || plane != Plane::Nodes);
-                let seed = [&[kind, 0], relief.plane_bytes(&entry, plane)].concat();
+                // In the second byte: flat terrain, and whether the tile is a root.
+                let seed = [&[kind, if root { 8 } else { 0 }], relief.plane_bytes(&entry, plane)].concat();
                 put("plane_nodes", &format!("{name}_{}_{}", plane.name(), entry.key.level), &seed)?;
             }
         }

@@ -76,6 +76,7 @@ pub fn plane_nodes(data: &[u8]) {
     };
     let (own, quarter) = (around(SIDE), around(HALF + 1));
     let mean = (terrain & 4 != 0).then_some(quarter.as_slice());
+    let root = terrain & 8 != 0;
     match plane % 6 {
         0 => {
             if let Ok(samples) = nodes::decode_root(bytes) {
@@ -102,8 +103,9 @@ pub fn plane_nodes(data: &[u8]) {
             }
         }
         4 => {
-            if let Ok(codes) = deviation::decode(bytes, &own) {
-                assert_eq!(deviation::decode(&deviation::encode(&codes, &own), &own), Ok(codes));
+            if let Ok(codes) = deviation::decode(bytes, &own, root) {
+                let again = deviation::encode(&codes, &own, root);
+                assert_eq!(deviation::decode(&again, &own, root), Ok(codes));
             }
         }
         _ => {

@@ -32,44 +32,52 @@ impl BitWriter {
     }
 }
 
-/// Reads what [`BitWriter`] wrote. Reading past the end gives zeros and is reported by
-/// [`BitReader::finish`], so the hot loop carries no branch for it.
-pub struct BitReader {
-    padded: Vec<u8>,
-    bits: usize,
-    position: usize,
+/// N bytes from `at` on; zeros where `bytes` ends.
+#[inline(always)]
+pub(super) fn window<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    match bytes.get(at..).and_then(|rest| rest.first_chunk()) {
+        Some(window) => *window,
+        None => last_window(bytes, at),
+    }
 }
 
-impl BitReader {
-    /// Bytes past the end that one `get` may touch.
-    const PADDING: usize = 8;
+#[cold]
+pub(super) fn last_window<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    let mut window = [0; N];
+    for (to, from) in window.iter_mut().zip(bytes.get(at..).unwrap_or_default()) {
+        *to = *from;
+    }
+    window
+}
 
+/// Reads what [`BitWriter`] wrote. Reading past the end gives zeros and is reported by
+/// [`BitReader::finish`], so the hot loop carries no branch for it.
+pub struct BitReader<'a> {
+    pub(super) bytes: &'a [u8],
+    /// Bits that were read; beyond the end once `bytes` proved too short.
+    pub(super) position: usize,
+}
+
+impl<'a> BitReader<'a> {
     /// A reader over `bytes`.
     #[must_use]
-    pub fn new(bytes: &[u8]) -> Self {
-        let mut padded = Vec::with_capacity(bytes.len() + Self::PADDING);
-        padded.extend_from_slice(bytes);
-        padded.resize(bytes.len() + Self::PADDING, 0);
-        Self { padded, bits: bytes.len() * 8, position: 0 }
+    pub fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, position: 0 }
     }
 
     /// The next `n` <= 32 bits.
-    #[inline]
+    #[inline(always)]
     pub fn get(&mut self, n: u32) -> u32 {
-        let byte = (self.position >> 3).min(self.padded.len() - Self::PADDING);
-        let mut word = [0; 8];
-        word.copy_from_slice(&self.padded[byte..byte + 8]);
-        let value = u64::from_le_bytes(word) >> (self.position & 7);
+        let value = u64::from_le_bytes(window(self.bytes, self.position >> 3)) >> (self.position & 7);
         self.position += n as usize;
         (value & ((1 << n) - 1)) as u32
     }
 
     /// Checks that exactly the whole stream was read and that its padding is zero.
     pub fn finish(mut self) -> Result<(), CodecError> {
-        if self.position > self.bits {
+        let Some(left) = (self.bytes.len() * 8).checked_sub(self.position) else {
             return Err(CodecError::Truncated);
-        }
-        let left = self.bits - self.position;
+        };
         if left >= 8 || self.get(left as u32) != 0 {
             return Err(CodecError::Trailing);
         }

@@ -47,7 +47,7 @@ fn rank(sample: i32, prediction: i32, (low, high): (i32, i32)) -> u32 {
 /// Inverse of [`rank`].
 #[inline(always)]
 fn unrank(rank: u32, prediction: i32, (low, high): (i32, i32)) -> i32 {
-    let near = prediction.clamp(low, high);
+    let near = prediction.max(low).min(high);
     let (below, above) = (near - low, high - near);
     let both = below.min(above);
     let rank_i = rank as i32;
@@ -58,20 +58,6 @@ fn unrank(rank: u32, prediction: i32, (low, high): (i32, i32)) -> i32 {
     let far = (rank_i.wrapping_sub(8) >> 1).wrapping_add(1);
     let outside = if rank_i & 1 == 0 { low.wrapping_sub(far) } else { high.wrapping_add(far) };
     if rank < 8 { inside } else { outside }
-}
-
-/// A row of V from the row to its south: ranks, predictions and partial sums side by side.
-#[multiversion(targets = "simd")]
-fn unrank_row(partial: &[i32], south: &[i32], prediction: &[i32], residual: &[i32], out: &mut [i32]) {
-    let n = out.len();
-    let (partial, south, prediction, residual) = (&partial[..n], &south[..n], &prediction[..n], &residual[..n]);
-    for i in 0..n {
-        let rest = partial[i] - 2 * south[i];
-        let bounds = ((rest - 7) >> 1, (rest + 7) >> 1);
-        // A damaged plane may hold anything; the caller rejects samples out of range.
-        let v = unrank(zigzag(residual[i]), prediction[i].clamp(-(1 << 28), 1 << 28), bounds);
-        out[i] = v.clamp(-SAMPLE_LIMIT - 1, SAMPLE_LIMIT + 1);
-    }
 }
 
 /// 16 mean minus everything known around the inner even samples of rows 1..n but V's part.
@@ -106,25 +92,34 @@ pub fn residuals(means: Means<'_>, new: &Classes, n: usize, prediction: &[i32], 
     }
 }
 
-/// Inverse of [`residuals`]: fills `new.v`, row by row.
-pub fn reconstruct(means: Means<'_>, new: &mut Classes, n: usize, prediction: &[i32], residual: &[i32]) {
-    // A damaged plane may hold anything; the caller rejects samples out of range.
-    let hold = |v: i32| v.clamp(-SAMPLE_LIMIT - 1, SAMPLE_LIMIT + 1);
+/// Inverse of [`residuals`]: V's samples in place of their predictions.
+#[multiversion(targets = "simd")]
+pub fn reconstruct(means: Means<'_>, c: &[i32], h: &[i32], n: usize, v: &mut [i32], residual: &[i32]) {
     let w = n + 1;
-    let mut partial = vec![0; w * w];
-    partial_sums(means, &new.c, &new.h, n, &mut partial);
-    new.v.clear();
-    new.v.extend(prediction.iter().zip(residual).map(|(p, r)| hold(p.wrapping_add(*r))));
+    // The first row and both ends of the others: differences. A damaged plane may hold anything;
+    // the caller rejects samples out of range.
+    let hold = |v: i32| v.clamp(-SAMPLE_LIMIT - 1, SAMPLE_LIMIT + 1);
+    for (v, r) in v.iter_mut().zip(residual).take(w) {
+        *v = hold(v.wrapping_add(*r));
+    }
     for j in 1..n {
-        let (before, here) = new.v.split_at_mut(j * w);
-        let (row, inner) = (j * w + 1, n - 1);
-        unrank_row(
-            &partial[row..][..inner],
-            &before[row - w..][..inner],
-            &prediction[row..][..inner],
-            &residual[row..][..inner],
-            &mut here[1..][..inner],
-        );
+        let m = n - 1;
+        let (before, here) = v.split_at_mut(j * w);
+        let (south, v) = (&before[(j - 1) * w + 1..][..m], &mut here[..w]);
+        let r = &residual[j * w..][..w];
+        for i in [0, n] {
+            v[i] = hold(v[i].wrapping_add(r[i]));
+        }
+        let (v, r) = (&mut v[1..][..m], &r[1..][..m]);
+        let (mean, even) = (&means.mean[j * w + 1..][..m], &means.even[j * w + 1..][..m]);
+        let (hw, he) = (&h[j * n..][..m], &h[j * n + 1..][..m]);
+        let (cs, cn) = (&c[(j - 1) * n..][..n], &c[j * n..][..n]);
+        let (sw, se, nw, ne) = (&cs[..m], &cs[1..][..m], &cn[..m], &cn[1..][..m]);
+        for i in 0..m {
+            let partial = 16 * mean[i] - 4 * even[i] - 2 * (hw[i] + he[i]) - (sw[i] + se[i] + nw[i] + ne[i]);
+            let prediction = v[i].clamp(-(1 << 28), 1 << 28);
+            v[i] = hold(unrank(zigzag(r[i]), prediction, interval(partial, south[i])));
+        }
     }
 }
 

@@ -7,17 +7,21 @@
 //! codes are right but in the two outermost rows and columns.
 
 use super::CodecError;
+use super::crown::Crown;
 use super::nodes::HALF;
 use crate::derive::local_deviation;
 use crate::tile::TILE_NODES;
 
 const NODES: usize = TILE_NODES * TILE_NODES;
 
-/// Encodes the codes of a tile (257 x 257, 0 at nodes with both indices even).
+/// Encodes the codes of a tile (257 x 257); nodes with both indices even have one only at the root
+/// level.
 #[must_use]
-pub fn encode(codes: &[u8], nodes: &[i32]) -> Vec<u8> {
+pub fn encode(codes: &[u8], nodes: &[i32], root: bool) -> Vec<u8> {
     let local = local(nodes);
-    if local == codes {
+    let mut predicted = local.clone();
+    let crown = root.then(|| Crown::of(nodes)).map(|crown| (crown.predict(&mut predicted), crown));
+    if predicted == codes {
         return Vec::new();
     }
     let differences =
@@ -26,16 +30,21 @@ pub fn encode(codes: &[u8], nodes: &[i32]) -> Vec<u8> {
     let mut plane = Vec::new();
     write_groups(&mut plane, &differences(&centres), &centre_groups(&local));
     write_groups(&mut plane, &differences(&sides), &side_groups(codes, &local, &sides));
+    if let Some((activity, crown)) = crown {
+        plane.extend(crown.encode(codes, &activity));
+    }
     plane
 }
 
 /// Decodes what [`encode`] wrote.
-pub fn decode(plane: &[u8], nodes: &[i32]) -> Result<Vec<u8>, CodecError> {
-    let mut codes = local(nodes);
+pub fn decode(plane: &[u8], nodes: &[i32], root: bool) -> Result<Vec<u8>, CodecError> {
+    let local = local(nodes);
+    let mut predicted = local.clone();
+    let crown = root.then(|| Crown::of(nodes)).map(|crown| (crown.predict(&mut predicted), crown));
     if plane.is_empty() {
-        return Ok(codes);
+        return Ok(predicted);
     }
-    let local = codes.clone();
+    let mut codes = local.clone();
     let (centres, sides) = places();
     let mut rest = plane;
     for (&k, d) in centres.iter().zip(read_groups(&mut rest, &centre_groups(&local))?) {
@@ -44,7 +53,12 @@ pub fn decode(plane: &[u8], nodes: &[i32]) -> Result<Vec<u8>, CodecError> {
     for (&k, d) in sides.iter().zip(read_groups(&mut rest, &side_groups(&codes, &local, &sides))?) {
         codes[k] = codes[k].wrapping_add(d);
     }
-    if rest.is_empty() { Ok(codes) } else { Err(CodecError::Trailing) }
+    match crown {
+        Some((activity, crown)) => crown.decode(rest, &mut codes, &activity)?,
+        None if rest.is_empty() => {}
+        None => return Err(CodecError::Trailing),
+    }
+    Ok(codes)
 }
 
 /// Groups of a class.
@@ -147,22 +161,28 @@ mod tests {
             for k in centres.into_iter().chain(sides) {
                 codes[k] = codes[k].wrapping_add((k as u8) & noise);
             }
-            prop_assert_eq!(decode(&encode(&codes, &nodes), &nodes).unwrap(), codes);
+            prop_assert_eq!(&decode(&encode(&codes, &nodes, false), &nodes, false).unwrap(), &codes);
+            for (k, code) in codes.iter_mut().enumerate() {
+                if ((k % TILE_NODES) | (k / TILE_NODES)) & 1 == 0 && !(k % 256 == 0 && (k / TILE_NODES).is_multiple_of(256)) {
+                    *code = (k as u8) & noise;
+                }
+            }
+            prop_assert_eq!(decode(&encode(&codes, &nodes, true), &nodes, true).unwrap(), codes);
         }
     }
 
     #[test]
     fn damage_is_refused() {
         let nodes = vec![0; NODES];
-        assert_eq!(decode(&[9, 9, 9], &nodes), Err(CodecError::Truncated));
+        assert_eq!(decode(&[9, 9, 9], &nodes, false), Err(CodecError::Truncated));
         let mut codes = vec![0; NODES];
         codes[TILE_NODES + 1] = 7;
-        let plane = encode(&codes, &nodes);
-        assert_eq!(decode(&plane, &nodes).unwrap(), codes);
-        assert_eq!(decode(&[&plane[..], &[0]].concat(), &nodes), Err(CodecError::Trailing));
-        assert!(decode(&plane[..plane.len() - 1], &nodes).is_err());
+        let plane = encode(&codes, &nodes, false);
+        assert_eq!(decode(&plane, &nodes, false).unwrap(), codes);
+        assert_eq!(decode(&[&plane[..], &[0]].concat(), &nodes, false), Err(CodecError::Trailing));
+        assert!(decode(&plane[..plane.len() - 1], &nodes, false).is_err());
         let mut frame = plane;
         frame[3 * GROUPS] ^= 0xff;
-        assert_eq!(decode(&frame, &nodes), Err(CodecError::Frame));
+        assert_eq!(decode(&frame, &nodes, false), Err(CodecError::Frame));
     }
 }

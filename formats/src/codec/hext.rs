@@ -90,11 +90,11 @@ pub fn decode(plane: &[u8], nodes: &[i32]) -> Result<Vec<Extremes>, CodecError> 
     if plane.is_empty() {
         return Ok(predicted);
     }
-    let activity = activity(&predicted);
-    let (mut lows, mut highs) = (vec![0; CELLS], vec![0; CELLS]);
+    let mut lows = activity(&predicted);
+    let mut highs = lows.clone();
     let mut reader = PlaneReader::new(plane)?;
-    reader.class(&activity, &mut lows, HALF)?;
-    reader.class(&activity, &mut highs, HALF)?;
+    reader.class(&mut lows, HALF)?;
+    reader.class(&mut highs, HALF)?;
     reader.finish()?;
     let code = |r: i32| u8::try_from(zigzag(r)).ok().filter(|&c| c <= LAST_CODE).ok_or(CodecError::Range);
     let cells = predicted.iter().zip(lows).zip(highs);

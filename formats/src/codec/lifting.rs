@@ -21,38 +21,61 @@ pub struct Classes {
     pub v: Vec<i32>,
 }
 
+impl Classes {
+    /// Gives the classes of n x n coarse cells their sizes; what they hold is left to the caller.
+    pub fn resize(&mut self, n: usize) {
+        self.c.resize(n * n, 0);
+        self.h.resize(n * (n + 1), 0);
+        self.v.resize(n * (n + 1), 0);
+    }
+
+    /// The even samples' and the others' part of fine row `j`.
+    fn row_mut<'a>(&'a mut self, even: &'a mut [i32], n: usize, j: usize) -> (&'a mut [i32], &'a mut [i32]) {
+        let (k, w) = (j / 2, n + 1);
+        let (whole, half) =
+            if j.is_multiple_of(2) { (even, &mut self.h[..]) } else { (&mut self.v[..], &mut self.c[..]) };
+        (&mut whole[k * w..][..w], &mut half[k * n..][..n])
+    }
+}
+
 /// Splits a fine square of side 2n+1 into its even nodes and its three new classes.
 #[must_use]
 pub fn split(fine: &[i32], n: usize) -> (Vec<i32>, Classes) {
-    let side = 2 * n + 1;
-    let mut even = Vec::with_capacity((n + 1) * (n + 1));
-    let mut new = Classes {
-        c: Vec::with_capacity(n * n),
-        h: Vec::with_capacity(n * (n + 1)),
-        v: Vec::with_capacity(n * (n + 1)),
-    };
-    for (j, row) in fine.chunks_exact(side).enumerate() {
-        let (whole, half) = if j % 2 == 0 { (&mut even, &mut new.h) } else { (&mut new.v, &mut new.c) };
-        whole.extend(row.iter().step_by(2));
-        half.extend(row[1..].iter().step_by(2));
+    let mut even = vec![0; (n + 1) * (n + 1)];
+    let mut new = Classes::default();
+    new.resize(n);
+    for (j, row) in fine.chunks_exact(2 * n + 1).enumerate() {
+        split_row(row, j, n, &mut even, &mut new);
     }
     (even, new)
 }
 
+/// Row `j` of [`split`]: what it holds of the even nodes and of the classes.
+#[inline(always)]
+pub fn split_row(row: &[i32], j: usize, n: usize, even: &mut [i32], new: &mut Classes) {
+    let (whole, half) = new.row_mut(even, n, j);
+    for ((pair, w), h) in row.as_chunks::<2>().0.iter().zip(&mut *whole).zip(half) {
+        [*w, *h] = *pair;
+    }
+    whole[n] = row[2 * n];
+}
+
 /// Inverse of [`split`].
 #[must_use]
+#[multiversion(targets = "simd")]
 pub fn join(even: &[i32], new: &Classes, n: usize) -> Vec<i32> {
     let side = 2 * n + 1;
-    let mut fine = vec![0; side * side];
-    for (j, row) in fine.chunks_exact_mut(side).enumerate() {
+    let mut fine = Vec::with_capacity(side * side);
+    let mut pairs = vec![[0; 2]; n];
+    for j in 0..side {
         let k = j / 2;
         let (whole, half) = if j % 2 == 0 { (even, &new.h) } else { (&new.v[..], &new.c) };
         let (whole, half) = (&whole[k * (n + 1)..][..n + 1], &half[k * n..][..n]);
-        for ((pair, w), h) in row[..2 * n].chunks_exact_mut(2).zip(whole).zip(half) {
-            pair[0] = *w;
-            pair[1] = *h;
+        for ((pair, w), h) in pairs.iter_mut().zip(whole).zip(half) {
+            *pair = [*w, *h];
         }
-        row[2 * n] = whole[n];
+        fine.extend_from_slice(pairs.as_flattened());
+        fine.push(whole[n]);
     }
     fine
 }
@@ -84,11 +107,13 @@ pub fn predict_c(e: &[i32], n: usize, prediction: &mut [i32], activity: &mut [i3
     for j in 0..n {
         let (p, a) = (&mut prediction[j * n..][..n], &mut activity[j * n..][..n]);
         let (e0, e1) = (&e[j * w..][..w], &e[(j + 1) * w..][..w]);
-        for i in 0..n {
+        let fits = n > 2 && j > 0 && j + 1 < n;
+        // Without a ring: the cells at both ends of the row, or the whole of it.
+        for i in (0..n).step_by(if fits { n - 1 } else { 1 }) {
             p[i] = mean4(e0[i] + e0[i + 1] + e1[i] + e1[i + 1]);
             a[i] = (e0[i] + e1[i + 1] - e0[i + 1] - e1[i]).abs();
         }
-        if j == 0 || j + 2 > n || n < 3 {
+        if !fits {
             continue;
         }
         let m = n - 2;
@@ -101,7 +126,7 @@ pub fn predict_c(e: &[i32], n: usize, prediction: &mut [i32], activity: &mut [i3
             let near = a0[i] + a0[i + 1] + a1[i] + a1[i + 1];
             let ring = south[i] + south[i + 1] + north[i] + north[i + 1] + l0[i] + l1[i] + r0[i] + r1[i];
             p[i] = stencil(near, ring);
-            a[i] += (2 * near - ring).abs() >> 1;
+            a[i] = (a0[i] + a1[i + 1] - a0[i + 1] - a1[i]).abs() + ((2 * near - ring).abs() >> 1);
         }
     }
 }
@@ -122,7 +147,7 @@ pub fn predict_h(e: &[i32], c: &[i32], rc: &[i32], n: usize, prediction: &mut [i
         let row = &e[j * w..][..w];
         let (cs, cn) = (&c[(j - 1) * n..][..n], &c[j * n..][..n]);
         let (rs, rn) = (&rc[(j - 1) * n..][..n], &rc[j * n..][..n]);
-        for i in 0..n {
+        for i in (0..n).step_by(if n > 2 { n - 1 } else { 1 }) {
             p[i] = mean4(row[i] + row[i + 1] + cs[i] + cn[i]);
             a[i] = 4 * (rs[i].abs() + rn[i].abs());
         }
@@ -134,13 +159,15 @@ pub fn predict_h(e: &[i32], c: &[i32], rc: &[i32], n: usize, prediction: &mut [i
         let here = &row[1..][..m + 1];
         let (cs0, cs1, cs2) = (&cs[..m], &cs[1..][..m], &cs[2..][..m]);
         let (cn0, cn1, cn2) = (&cn[..m], &cn[1..][..m], &cn[2..][..m]);
-        let (rs0, rs2, rn0, rn2) = (&rs[..m], &rs[2..][..m], &rn[..m], &rn[2..][..m]);
+        let (rs0, rs1, rs2) = (&rs[..m], &rs[1..][..m], &rs[2..][..m]);
+        let (rn0, rn1, rn2) = (&rn[..m], &rn[1..][..m], &rn[2..][..m]);
         let (p, a) = (&mut p[1..][..m], &mut a[1..][..m]);
         for i in 0..m {
             let near = here[i] + here[i + 1] + cs1[i] + cn1[i];
             let ring = cs0[i] + cs2[i] + cn0[i] + cn2[i] + south[i] + south[i + 1] + north[i] + north[i + 1];
             p[i] = stencil(near, ring);
-            a[i] += rs0[i].abs() + rs2[i].abs() + rn0[i].abs() + rn2[i].abs();
+            let sides = rs0[i].abs() + rs2[i].abs() + rn0[i].abs() + rn2[i].abs();
+            a[i] = 4 * (rs1[i].abs() + rn1[i].abs()) + sides;
         }
     }
 }
@@ -168,10 +195,12 @@ pub fn predict_v(e: &[i32], c: &[i32], rc: &[i32], rh: &[i32], n: usize, predict
         let (hs0, hs1, hn0, hn1) = (&hs[..m], &hs[1..][..m], &hn[..m], &hn[1..][..m]);
         let (p, a) = (&mut p[1..][..m], &mut a[1..][..m]);
         for i in 0..m {
-            p[i] = mean4(e0m[i] + e1m[i] + cw[i] + ce[i]);
             a[i] = 4 * (rw[i].abs() + re[i].abs()) + 2 * (hs0[i].abs() + hs1[i].abs() + hn0[i].abs() + hn1[i].abs());
         }
         if j == 0 || j + 1 == n {
+            for i in 0..m {
+                p[i] = mean4(e0m[i] + e1m[i] + cw[i] + ce[i]);
+            }
             continue;
         }
         let (south, north) = (&c[(j - 1) * n..][..n], &c[(j + 1) * n..][..n]);

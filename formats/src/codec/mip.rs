@@ -8,9 +8,10 @@ use multiversion::multiversion;
 
 use super::CodecError;
 use super::constraint::{self, Means};
-use super::lifting::{Classes, join, split};
+use super::lifting::{Classes, join, split, split_row};
 use super::nodes::{HALF, add, check_range, subtract};
 use super::residual::{PlaneReader, PlaneWriter};
+use super::scratch::{self, Scratch};
 use crate::tile::TILE_NODES;
 
 /// Encodes a tile's means (257 x 257) given its nodes and, below the root, the parent's means at
@@ -18,7 +19,9 @@ use crate::tile::TILE_NODES;
 #[must_use]
 pub fn encode(mip: &[i32], nodes: &[i32], mean: Option<&[i32]>) -> Vec<u8> {
     let n = HALF;
-    let (pe, pn, ae, an) = predict(nodes);
+    let mut predicted = Scratch::default();
+    predict(nodes, &mut predicted);
+    let Scratch { samples: pn, residuals: an, even: [pe, ae] } = predicted;
     let (even, new) = split(mip, n);
     let mut writer = PlaneWriter::default();
     let mut r = vec![0; (n + 1) * (n + 1)];
@@ -40,53 +43,57 @@ pub fn encode(mip: &[i32], nodes: &[i32], mean: Option<&[i32]>) -> Vec<u8> {
 /// Decodes what [`encode`] wrote.
 pub fn decode(plane: &[u8], nodes: &[i32], mean: Option<&[i32]>) -> Result<Vec<i32>, CodecError> {
     let n = HALF;
-    let (pe, pn, ae, an) = predict(nodes);
     let mut reader = PlaneReader::new(plane)?;
-    let mut r = vec![0; (n + 1) * (n + 1)];
-    reader.class(&ae, &mut r, n + 1)?;
-    let even = add(&pe, &r)?;
-    let mut new = Classes::default();
-    reader.class(&an.c, &mut r[..n * n], n)?;
-    new.c = add(&pn.c, &r[..n * n])?;
-    let r = &mut r[..n * (n + 1)];
-    reader.class(&an.h, r, n)?;
-    new.h = add(&pn.h, r)?;
-    reader.class(&an.v, r, n + 1)?;
-    match mean {
-        Some(mean) => {
-            constraint::reconstruct(Means { even: &even, mean }, &mut new, n, &pn.v, r);
-            check_range(&new.v)?;
+    scratch::with(|scratch| {
+        predict(nodes, scratch);
+        let [even, re] = &mut scratch.even;
+        let Classes { c, h, v } = &mut scratch.samples;
+        let Classes { c: rc, h: rh, v: rv } = &mut scratch.residuals;
+        reader.class(re, n + 1)?;
+        add(even, re)?;
+        reader.class(rc, n)?;
+        add(c, rc)?;
+        reader.class(rh, n)?;
+        add(h, rh)?;
+        reader.class(rv, n + 1)?;
+        match mean {
+            Some(mean) => {
+                constraint::reconstruct(Means { even, mean }, c, h, n, v, rv);
+                check_range(v)?;
+            }
+            None => add(v, rv)?,
         }
-        None => new.v = add(&pn.v, r)?,
-    }
-    reader.finish()?;
-    Ok(join(&even, &new, n))
+        reader.finish()?;
+        Ok(join(even, &scratch.samples, n))
+    })
 }
 
-/// Predictions and activities: of the even samples, and of the three other classes.
-fn predict(nodes: &[i32]) -> (Vec<i32>, Classes, Vec<i32>, Classes) {
-    let mut p = vec![0; TILE_NODES * TILE_NODES];
-    let mut a = vec![0; TILE_NODES * TILE_NODES];
-    smooth(nodes, &mut p, &mut a);
-    let (pe, pn) = split(&p, HALF);
-    let (ae, an) = split(&a, HALF);
-    (pe, pn, ae, an)
+/// Predictions and activities of the even samples and of the three other classes.
+fn predict(nodes: &[i32], scratch: &mut Scratch) {
+    scratch.samples.resize(HALF);
+    scratch.residuals.resize(HALF);
+    for even in &mut scratch.even {
+        even.resize((HALF + 1) * (HALF + 1), 0);
+    }
+    smooth(nodes, scratch);
 }
 
 #[multiversion(targets = "simd")]
-fn smooth(nodes: &[i32], prediction: &mut [i32], activity: &mut [i32]) {
+fn smooth(nodes: &[i32], scratch: &mut Scratch) {
     const W: usize = TILE_NODES;
+    let Scratch { samples, residuals, even: [even, re] } = scratch;
+    let (mut p, mut a) = ([0; W], [0; W]);
+    // Row y, its ends repeated, is in slot y mod 5 while a row near it needs it.
     let mut pad = [[0i32; W + 4]; 5];
+    for (y, row) in nodes.as_chunks::<W>().0.iter().enumerate().take(2) {
+        repeat_ends(row, &mut pad[y]);
+    }
     for j in 0..W {
-        for (k, row) in pad.iter_mut().enumerate() {
-            let y = (j + k).saturating_sub(2).min(W - 1);
-            let source = &nodes[y * W..][..W];
-            row[2..W + 2].copy_from_slice(source);
-            (row[0], row[1]) = (source[0], source[0]);
-            (row[W + 2], row[W + 3]) = (source[W - 1], source[W - 1]);
+        if let Some(row) = nodes.as_chunks::<W>().0.get(j + 2) {
+            repeat_ends(row, &mut pad[(j + 2) % 5]);
         }
-        let [ss, s, o, n, nn] = &pad;
-        let (p, a) = (&mut prediction[j * W..][..W], &mut activity[j * W..][..W]);
+        let near = [j.saturating_sub(2), j.saturating_sub(1), j, (j + 1).min(W - 1), (j + 2).min(W - 1)];
+        let [ss, s, o, n, nn] = near.map(|y| &pad[y % 5]);
         for i in 0..W {
             let x = i + 2;
             let c = o[x];
@@ -96,7 +103,15 @@ fn smooth(nodes: &[i32], prediction: &mut [i32], activity: &mut [i32]) {
             p[i] = c + ((13 * e + d - 2 * f + 64) >> 7);
             a[i] = e.abs() + (d.abs() >> 1);
         }
+        split_row(&p, j, HALF, even, samples);
+        split_row(&a, j, HALF, re, residuals);
     }
+}
+
+fn repeat_ends(row: &[i32; TILE_NODES], padded: &mut [i32; TILE_NODES + 4]) {
+    padded[2..TILE_NODES + 2].copy_from_slice(row);
+    padded[..2].fill(row[0]);
+    padded[TILE_NODES + 2..].fill(row[TILE_NODES - 1]);
 }
 
 #[cfg(test)]

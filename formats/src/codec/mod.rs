@@ -6,6 +6,7 @@
 pub mod bits;
 pub mod bytes;
 pub mod constraint;
+mod crown;
 pub mod deviation;
 pub mod filled;
 pub mod hext;
@@ -15,6 +16,8 @@ pub mod nodes;
 pub mod rans;
 pub mod residual;
 mod rows;
+mod samples;
+mod scratch;
 pub mod tables;
 pub mod token;
 

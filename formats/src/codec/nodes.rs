@@ -3,11 +3,14 @@
 //! A tile below the root knows its even nodes from its parent's quarter. A root tile starts from
 //! its four corners and refines itself: squares of 1, 2, 4 ... 128 coarse cells in turn.
 
+use multiversion::multiversion;
+
 use super::CodecError;
 use super::bytes;
 use super::constraint::{self, Means};
 use super::lifting::{Classes, join, predict_c, predict_h, predict_v, split};
 use super::residual::{PlaneReader, PlaneWriter};
+use super::scratch::{self, Scratch};
 use crate::tile::TILE_CELLS;
 
 /// Largest magnitude of a sample: |q| < 2^23, so every prediction fits 32 bits and every height
@@ -30,9 +33,11 @@ pub fn encode(fine: &[i32], mean: Option<&[i32]>) -> Vec<u8> {
 /// Decodes what [`encode`] wrote, from the parent's nodes at the tile's even nodes (129 x 129).
 pub fn decode(plane: &[u8], even: &[i32], mean: Option<&[i32]>) -> Result<Vec<i32>, CodecError> {
     let mut reader = PlaneReader::new(plane)?;
-    let new = read_stage(&mut reader, even, mean, HALF)?;
-    reader.finish()?;
-    Ok(join(even, &new, HALF))
+    scratch::with(|scratch| {
+        read_stage(&mut reader, even, mean, HALF, scratch)?;
+        reader.finish()?;
+        Ok(join(even, &scratch.samples, HALF))
+    })
 }
 
 /// Encodes a root tile: four corners as i32, then the stages.
@@ -66,12 +71,15 @@ pub fn decode_root(plane: &[u8]) -> Result<Vec<i32>, CodecError> {
     }
     check_range(&square)?;
     let mut reader = PlaneReader::new(plane)?;
-    let mut n = 1;
-    while n <= HALF {
-        let new = read_stage(&mut reader, &square, None, n)?;
-        square = join(&square, &new, n);
-        n *= 2;
-    }
+    scratch::with(|scratch| {
+        let mut n = 1;
+        while n <= HALF {
+            read_stage(&mut reader, &square, None, n, scratch)?;
+            square = join(&square, &scratch.samples, n);
+            n *= 2;
+        }
+        Ok(())
+    })?;
     reader.finish()?;
     Ok(square)
 }
@@ -101,7 +109,11 @@ pub fn interpolate(even: &[i32], n: usize) -> Vec<i32> {
 pub fn quarter(parent: &[i32], quadrant: (usize, usize)) -> Vec<i32> {
     let side = 2 * HALF + 1;
     let (x, y) = (quadrant.0 * HALF, quadrant.1 * HALF);
-    (y..=y + HALF).flat_map(|j| parent[j * side + x..][..HALF + 1].iter().copied()).collect()
+    let mut even = Vec::with_capacity((HALF + 1) * (HALF + 1));
+    for row in parent.chunks_exact(side).skip(y).take(HALF + 1) {
+        even.extend_from_slice(&row[x..][..HALF + 1]);
+    }
+    even
 }
 
 fn write_stage(writer: &mut PlaneWriter, even: &[i32], new: &Classes, mean: Option<&[i32]>, n: usize) {
@@ -124,34 +136,33 @@ fn write_stage(writer: &mut PlaneWriter, even: &[i32], new: &Classes, mean: Opti
     writer.class(&rv, &a, n + 1);
 }
 
+/// Reads a stage's classes into `scratch.samples`.
 fn read_stage(
     reader: &mut PlaneReader<'_>,
     even: &[i32],
     mean: Option<&[i32]>,
     n: usize,
-) -> Result<Classes, CodecError> {
-    let edges = n * (n + 1);
-    let (mut p, mut a) = (vec![0; edges], vec![0; edges]);
-    let mut new = Classes::default();
-    let mut rc = vec![0; n * n];
-    predict_c(even, n, &mut p, &mut a);
-    reader.class(&a[..n * n], &mut rc, n)?;
-    new.c = add(&p[..n * n], &rc)?;
-    let mut rh = vec![0; edges];
-    predict_h(even, &new.c, &rc, n, &mut p, &mut a);
-    reader.class(&a, &mut rh, n)?;
-    new.h = add(&p, &rh)?;
-    let mut rv = vec![0; edges];
-    predict_v(even, &new.c, &rc, &rh, n, &mut p, &mut a);
-    reader.class(&a, &mut rv, n + 1)?;
+    scratch: &mut Scratch,
+) -> Result<(), CodecError> {
+    scratch.samples.resize(n);
+    scratch.residuals.resize(n);
+    let Classes { c, h, v } = &mut scratch.samples;
+    let Classes { c: rc, h: rh, v: rv } = &mut scratch.residuals;
+    predict_c(even, n, c, rc);
+    reader.class(rc, n)?;
+    add(c, rc)?;
+    predict_h(even, c, rc, n, h, rh);
+    reader.class(rh, n)?;
+    add(h, rh)?;
+    predict_v(even, c, rc, rh, n, v, rv);
+    reader.class(rv, n + 1)?;
     match mean {
         Some(mean) => {
-            constraint::reconstruct(Means { even, mean }, &mut new, n, &p, &rv);
-            check_range(&new.v)?;
+            constraint::reconstruct(Means { even, mean }, c, h, n, v, rv);
+            check_range(v)
         }
-        None => new.v = add(&p, &rv)?,
+        None => add(v, rv),
     }
-    Ok(new)
 }
 
 /// `out` = samples - prediction.
@@ -161,16 +172,24 @@ pub(super) fn subtract(samples: &[i32], prediction: &[i32], out: &mut [i32]) {
     }
 }
 
-/// prediction + residual, rejected when a sample leaves its range.
-pub(super) fn add(prediction: &[i32], residual: &[i32]) -> Result<Vec<i32>, CodecError> {
-    let samples: Vec<i32> = prediction.iter().zip(residual).map(|(p, r)| p.wrapping_add(*r)).collect();
-    check_range(&samples)?;
-    Ok(samples)
+/// Adds residuals to their predictions; refused when a sample leaves its range.
+#[multiversion(targets = "simd")]
+pub(super) fn add(samples: &mut [i32], residual: &[i32]) -> Result<(), CodecError> {
+    let (mut min, mut max) = (0, 0);
+    for (s, r) in samples.iter_mut().zip(residual) {
+        *s = s.wrapping_add(*r);
+        (min, max) = (min.min(*s), max.max(*s));
+    }
+    if min < -SAMPLE_LIMIT || max > SAMPLE_LIMIT { Err(CodecError::Range) } else { Ok(()) }
 }
 
 /// Rejects samples outside +-[`SAMPLE_LIMIT`].
+#[multiversion(targets = "simd")]
 pub(super) fn check_range(samples: &[i32]) -> Result<(), CodecError> {
-    let (min, max) = samples.iter().fold((0, 0), |(lo, hi), &s| (lo.min(s), hi.max(s)));
+    let (mut min, mut max) = (0, 0);
+    for &s in samples {
+        (min, max) = (min.min(s), max.max(s));
+    }
     if min < -SAMPLE_LIMIT || max > SAMPLE_LIMIT { Err(CodecError::Range) } else { Ok(()) }
 }
 

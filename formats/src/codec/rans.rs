@@ -1,30 +1,34 @@
-//! rANS with four interleaved states and 16-bit renormalisation (Duda 2013, Giesen 2014).
+//! rANS with 32 interleaved states and 16-bit renormalisation (Duda 2013, Giesen 2014).
 //!
-//! A state x stays in [2^16, 2^32). Symbol number i of a class belongs to state i mod 4. The
-//! encoder walks backwards, so the decoder reads forwards: the four start states, then words.
+//! A state x stays in [2^16, 2^32). Symbol number i of a class belongs to state i mod 32. The
+//! encoder walks backwards, so the decoder reads forwards: the start states, then words.
 
 use std::sync::LazyLock;
 
 use super::CodecError;
 use super::tables::FREQUENCIES;
-use super::token::{TABLES, TOKENS};
+use super::token::TOKENS;
 
 /// Bits of a frequency: the frequencies of a table sum to 2^11.
 pub const SCALE_BITS: u32 = 11;
 /// Slots of a table.
 pub const SLOTS: usize = 1 << SCALE_BITS;
 /// Interleaved states.
-pub const LANES: usize = 4;
+pub const LANES: usize = 32;
 /// Lowest value of a state, and every state's value before the first symbol is encoded.
 pub const LOW: u32 = 1 << 16;
 
-/// Per slot: token in bits 24.., frequency in 12..24, offset in the symbol's range in 0..12.
-static DECODE: LazyLock<Vec<u32>> = LazyLock::new(|| {
-    let mut slots = Vec::with_capacity(TABLES * SLOTS);
+/// Per slot: token in bits 24.., frequency in 12..24, offset in the symbol's range in 0..12. Filled
+/// up to 2^16 slots, so that an index of 16 bits needs no check.
+pub(super) static DECODE: LazyLock<Box<[u32; 1 << 16]>> = LazyLock::new(|| {
+    let mut slots = Box::new([0; 1 << 16]);
+    let mut next = slots.iter_mut();
     for table in &FREQUENCIES {
         for (token, &frequency) in table.iter().enumerate() {
             let frequency = u32::from(frequency);
-            slots.extend((0..frequency).map(|offset| (token as u32) << 24 | frequency << 12 | offset));
+            for (offset, slot) in (0..frequency).zip(&mut next) {
+                *slot = (token as u32) << 24 | frequency << 12 | offset;
+            }
         }
     }
     slots
@@ -65,7 +69,7 @@ impl Encoder {
         self.symbols.push(ENCODE[table][token as usize]);
     }
 
-    /// Encodes everything: four start states, then words, little-endian.
+    /// Encodes everything: the start states, then words, little-endian.
     #[must_use]
     pub fn finish(self) -> Vec<u8> {
         let mut states = [LOW; LANES];
@@ -95,11 +99,12 @@ impl Encoder {
     }
 }
 
-/// Decodes what [`Encoder`] wrote.
+/// The states and words of a plane that is being decoded; [`super::samples`] steps them.
 pub struct Decoder<'a> {
-    states: [u32; LANES],
-    words: &'a [u8],
-    next: usize,
+    pub(super) states: [u32; LANES],
+    pub(super) words: &'a [u8],
+    /// Bytes of `words` that were used; beyond its end once it proved too short.
+    pub(super) next: usize,
 }
 
 impl<'a> Decoder<'a> {
@@ -117,38 +122,6 @@ impl<'a> Decoder<'a> {
             return Err(CodecError::Trailing);
         }
         Ok(Self { states, words, next: 0 })
-    }
-
-    /// Decodes one class: `bases[i]` is the first slot of sample i's table.
-    pub fn class(&mut self, bases: &[u32], tokens: &mut [u8]) {
-        let table = DECODE.as_slice();
-        let mut states = self.states;
-        let mut next = self.next;
-        let words = self.words;
-        let mut step = |state: &mut u32, base: u32, token: &mut u8| {
-            let x = *state;
-            let entry = table[base as usize + (x as usize & (SLOTS - 1))];
-            *token = (entry >> 24) as u8;
-            let y = (x >> SCALE_BITS) * (entry >> 12 & 0xfff) + (entry & 0xfff);
-            // Past the end zeros are read; `finish` reports it.
-            let word = words.get(next..next + 2).map_or(0, |w| u32::from(u16::from_le_bytes([w[0], w[1]])));
-            let refill = y < LOW;
-            *state = if refill { y << 16 | word } else { y };
-            next += if refill { 2 } else { 0 };
-        };
-        let mut bases4 = bases.chunks_exact(LANES);
-        let mut tokens4 = tokens.chunks_exact_mut(LANES);
-        for (b, t) in (&mut bases4).zip(&mut tokens4) {
-            step(&mut states[0], b[0], &mut t[0]);
-            step(&mut states[1], b[1], &mut t[1]);
-            step(&mut states[2], b[2], &mut t[2]);
-            step(&mut states[3], b[3], &mut t[3]);
-        }
-        for ((state, &b), t) in states.iter_mut().zip(bases4.remainder()).zip(tokens4.into_remainder()) {
-            step(state, b, t);
-        }
-        self.states = states;
-        self.next = next;
     }
 
     /// Checks that every word was used and every state is back at its start.
@@ -172,7 +145,26 @@ pub const fn slot_base(table: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codec::token::TABLES;
     use proptest::prelude::*;
+
+    /// One class as SPEC section 6 says it, symbol by symbol.
+    fn decode(decoder: &mut Decoder<'_>, tables: &[usize]) -> Vec<u8> {
+        let step = |(i, table): (usize, &usize)| {
+            let state = &mut decoder.states[i % LANES];
+            let slot = *state % SLOTS as u32;
+            let entry = DECODE[slot_base(*table) as usize + slot as usize];
+            *state = (*state >> SCALE_BITS) * (entry >> 12 & 0xfff) + (entry & 0xfff);
+            if *state < LOW {
+                let word =
+                    decoder.words.get(decoder.next..decoder.next + 2).map_or(0, |w| u16::from_le_bytes([w[0], w[1]]));
+                *state = *state << 16 | u32::from(word);
+                decoder.next += 2;
+            }
+            (entry >> 24) as u8
+        };
+        tables.iter().enumerate().map(step).collect()
+    }
 
     #[test]
     fn tables_fill_their_slots_and_know_every_token() {
@@ -194,10 +186,8 @@ mod tests {
             let bytes = encoder.finish();
             let mut decoder = Decoder::new(&bytes).unwrap();
             for class in &classes {
-                let bases: Vec<u32> = class.iter().map(|&(table, _)| slot_base(table)).collect();
-                let mut tokens = vec![0; class.len()];
-                decoder.class(&bases, &mut tokens);
-                prop_assert!(tokens.iter().zip(class).all(|(a, (_, b))| a == b));
+                let (tables, tokens): (Vec<usize>, Vec<u8>) = class.iter().copied().unzip();
+                prop_assert_eq!(decode(&mut decoder, &tables), tokens);
             }
             prop_assert_eq!(decoder.finish(), Ok(()));
         }
@@ -210,7 +200,7 @@ mod tests {
         (0..100).for_each(|_| encoder.push(0, 30));
         let bytes = encoder.finish();
         let mut decoder = Decoder::new(&bytes[..bytes.len() - 2]).unwrap();
-        decoder.class(&[0; 100], &mut [0; 100]);
+        decode(&mut decoder, &[0; 100]);
         assert_eq!(decoder.finish(), Err(CodecError::Truncated));
     }
 }

@@ -11,9 +11,8 @@ use super::CodecError;
 use super::bits::{BitReader, BitWriter};
 use super::rans::{Decoder, Encoder, slot_base};
 use super::rows::{Row, gather, put_rows, take_rows};
-use super::token::{
-    ESCAPE_BITS, EVEN_SCALE, SCALES, TOKENS, low_bits, table_of, token_range, tokenize, unzigzag, zigzag,
-};
+use super::samples;
+use super::token::{EVEN_SCALE, SCALES, low_bits, table_of, tokenize, zigzag};
 
 /// Buckets of activity; larger activities share the last.
 pub const BUCKETS: usize = 48;
@@ -121,15 +120,12 @@ impl PlaneWriter {
 /// Reads what [`PlaneWriter`] wrote. No bytes at all mean that every residual is zero.
 pub struct PlaneReader<'a> {
     parts: Option<Parts<'a>>,
-    bucket: Vec<u8>,
-    base: Vec<u32>,
-    token: Vec<u8>,
 }
 
 struct Parts<'a> {
     header: &'a [u8],
     rans: Decoder<'a>,
-    raw: BitReader,
+    raw: BitReader<'a>,
 }
 
 impl<'a> PlaneReader<'a> {
@@ -145,13 +141,13 @@ impl<'a> PlaneReader<'a> {
             let (words, raw) = rest.split_at_checked(words_len).ok_or(CodecError::Truncated)?;
             Some(Parts { header, rans: Decoder::new(words)?, raw: BitReader::new(raw) })
         };
-        Ok(Self { parts, bucket: Vec::new(), base: Vec::new(), token: Vec::new() })
+        Ok(Self { parts })
     }
 
-    /// Reads a class of `residual.len()` samples with the given activities, in rows of `width`.
-    pub fn class(&mut self, activity: &[i32], residual: &mut [i32], width: usize) -> Result<(), CodecError> {
+    /// Reads a class in rows of `width`: `values` are its samples' activities, then their residuals.
+    pub fn class(&mut self, values: &mut [i32], width: usize) -> Result<(), CodecError> {
         let Some(parts) = &mut self.parts else {
-            residual.fill(0);
+            values.fill(0);
             return Ok(());
         };
         let (&[first, count], rest) = parts.header.split_first_chunk().ok_or(CodecError::Truncated)?;
@@ -159,7 +155,7 @@ impl<'a> PlaneReader<'a> {
         let (scales, rest) = rest.split_at_checked(count).ok_or(CodecError::Truncated)?;
         parts.header = rest;
         if count == 0 {
-            residual.fill(0);
+            values.fill(0);
             return if marked { Err(CodecError::Range) } else { Ok(()) };
         }
         let first = usize::from(first);
@@ -169,17 +165,17 @@ impl<'a> PlaneReader<'a> {
         // A bucket outside the list can only be met in a damaged plane; any scale does for it.
         let mut scale = [0u8; BUCKETS];
         scale[first..first + count].copy_from_slice(scales);
+        let coding = scale.map(|t| slot_base(table_of(t)) | low_bits(t) << 16);
         if !marked {
-            self.samples(&scale, activity, residual);
+            samples::read(&mut parts.rans, &mut parts.raw, &coding, values);
             return Ok(());
         }
-        let rows = take_rows(&mut parts.header, residual.len() / width)?;
-        let stored: Vec<i32> = gather(&rows, activity, width).collect();
-        let mut samples = vec![0; stored.len()];
-        self.samples(&scale, &stored, &mut samples);
-        let mut next = samples.as_slice();
+        let rows = take_rows(&mut parts.header, values.len() / width)?;
+        let mut stored: Vec<i32> = gather(&rows, values, width).collect();
+        samples::read(&mut parts.rans, &mut parts.raw, &coding, &mut stored);
+        let mut next = stored.as_slice();
         for (y, row) in rows.iter().enumerate() {
-            let (before, here) = residual.split_at_mut(y * width);
+            let (before, here) = values.split_at_mut(y * width);
             let here = &mut here[..width];
             let (stored, rest) = next.split_at(row.stored(width));
             next = rest;
@@ -192,29 +188,6 @@ impl<'a> PlaneReader<'a> {
         Ok(())
     }
 
-    fn samples(&mut self, scale: &[u8; BUCKETS], activity: &[i32], residual: &mut [i32]) {
-        let Some(parts) = &mut self.parts else { return };
-        self.bucket.resize(residual.len(), 0);
-        self.base.resize(residual.len(), 0);
-        self.token.resize(residual.len(), 0);
-        buckets(activity, &mut self.bucket);
-        // 64 entries, so that the index needs no check; buckets end at 47.
-        let mut bases = [0; 64];
-        let mut rows = [&READINGS[0]; 64];
-        for (b, &t) in scale.iter().enumerate() {
-            bases[b] = slot_base(table_of(t));
-            rows[b] = &READINGS[t as usize % SCALES];
-        }
-        for (base, &b) in self.base.iter_mut().zip(&self.bucket) {
-            *base = bases[b as usize & 63];
-        }
-        parts.rans.class(&self.base, &mut self.token);
-        for ((r, &token), &b) in residual.iter_mut().zip(&self.token).zip(&self.bucket) {
-            let Reading { base, bits } = rows[b as usize & 63][token as usize & 63];
-            *r = unzigzag(base + parts.raw.get(bits));
-        }
-    }
-
     /// Checks that the plane ends with its last sample.
     pub fn finish(self) -> Result<(), CodecError> {
         let Some(parts) = self.parts else { return Ok(()) };
@@ -225,30 +198,6 @@ impl<'a> PlaneReader<'a> {
         parts.raw.finish()
     }
 }
-
-/// What a token of a scale stands for: z = base + the next raw bits.
-#[derive(Clone, Copy)]
-struct Reading {
-    base: u32,
-    bits: u32,
-}
-
-/// [`Reading`]s of every scale and token.
-static READINGS: [[Reading; 64]; SCALES] = {
-    let mut readings = [[Reading { base: 0, bits: ESCAPE_BITS }; 64]; SCALES];
-    let mut t = 0;
-    while t < SCALES {
-        let low = low_bits(t as u8);
-        let mut token = 0;
-        while token < TOKENS - 1 {
-            let (base, bits) = token_range(token as u8);
-            readings[t][token] = Reading { base: base << low, bits: bits + low };
-            token += 1;
-        }
-        t += 1;
-    }
-    readings
-};
 
 #[cfg(test)]
 mod tests {
@@ -263,8 +212,8 @@ mod tests {
         let bytes = writer.finish();
         let mut reader = PlaneReader::new(&bytes).unwrap();
         for (residual, activity) in classes {
-            let mut got = vec![0; residual.len()];
-            reader.class(activity, &mut got, width).unwrap();
+            let mut got = activity.clone();
+            reader.class(&mut got, width).unwrap();
             assert_eq!(&got, residual);
         }
         assert_eq!(reader.finish(), Ok(()));
@@ -301,8 +250,8 @@ mod tests {
         #[test]
         fn junk_never_panics(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
             if let Ok(mut reader) = PlaneReader::new(&bytes) {
-                let activity: Vec<i32> = (0..300).map(|k| k * k).collect();
-                let _ = reader.class(&activity, &mut vec![0; 300], 30);
+                let mut values: Vec<i32> = (0..300).map(|k| k * k).collect();
+                let _ = reader.class(&mut values, 30);
                 let _ = reader.finish();
             }
         }

@@ -7,7 +7,7 @@
 //! |q| <= 2^24, is 2^25 units.
 
 /// The largest deviation, 2^25 units, in sixteenths of a unit.
-pub(super) const MAX_SIXTEENTHS: i32 = 1 << 29;
+pub(crate) const MAX_SIXTEENTHS: i32 = 1 << 29;
 
 /// The smallest code whose value is not below `q_units`, a deviation in height units. Zero and
 /// less give 0, NaN and all beyond the last code give 255.
@@ -36,7 +36,7 @@ pub fn decode_deviation(code: u8) -> f32 {
 /// e = floor(log2 z) - 2 and f = floor(z / 2^e) - 4. Written with the bits of an f32 because that
 /// runs in vector registers; the low bits that an f32 cannot hold do not reach f.
 #[inline(always)]
-pub(super) fn encode_sixteenths(sixteenths: i32) -> u8 {
+pub(crate) fn encode_sixteenths(sixteenths: i32) -> u8 {
     let z = 2 * sixteenths - 1;
     let z = if z >= 1 << 24 { z & !127 } else { z };
     let quarters = ((z as f32).to_bits() >> 21) as i32 - (129 * 4 - 2);

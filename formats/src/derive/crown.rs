@@ -1,262 +1,227 @@
 //! Deviations above the coarsest stored level, so that bisection may start from whole squares.
 //!
-//! A file stores deviations of nodes new at levels up to the root's. The nodes that a whole map of
-//! 512 x 256 (plane: 256 x 256) root cells leaves above that are few enough to be worked out when
-//! the file is opened. S_0 lies within r of the flat half cells of the root level, r being the
-//! smaller code of a cell's two side midpoints (saturation puts their children below them); so the
-//! deviation of a coarser triangle is at most its largest distance to a root node plus the largest r.
+//! A file's root level has 512 x 256 (plane: 256 x 256) cells. The nodes that are new at the seven
+//! levels above it are the root level's nodes with two even indices, whose codes are free. They
+//! are worked out like all others, from what the last stage hands on.
 
-use super::code::{decode_deviation, encode_deviation};
+use super::block::{Base, Below, derive_block, padding};
+use super::distances::CellDistances;
+use super::field::{Field, Window};
 use crate::grid::Grid;
 
-/// Rows of nodes of the root level, both edges included.
-pub const ROWS: usize = 257;
+/// Levels above the root's with new nodes: the map is 2 x 1 (plane: 1 x 1) cells of the last one's.
+pub const LEVELS: u32 = 7;
 
-/// Columns of nodes of the root level: 512 that wrap (globe) or 257 (plane).
-#[must_use]
-pub const fn columns(grid: Grid) -> usize {
-    if grid.plane { 257 } else { 512 }
-}
-
-/// Fills the codes of nodes with even indices, 0 so far, with their saturated deviations.
-///
-/// `nodes` and `codes` are the root level's, [`ROWS`] x [`columns`], south row first. A node both of
-/// whose indices are multiples of 256 is new nowhere and keeps 0.
+/// Codes of the root level's nodes that are new above it; 0 at all others. `parts` are what the
+/// last stage's blocks hand on, of level root + 1; side by side they are the whole map.
 ///
 /// # Panics
-/// When a slice has another length.
-pub fn crown(grid: Grid, nodes: &[i32], codes: &mut [u8]) {
-    let columns = columns(grid);
-    assert_eq!((nodes.len(), codes.len()), (ROWS * columns, ROWS * columns), "one value a node");
-    let map = Map { nodes, columns, plane: grid.plane, residues: residues(grid, codes) };
-    // Side midpoints of a level are children of its centres, centres of the side midpoints above.
-    for shift in 1..8 {
-        for centre in [false, true] {
-            for (x, y) in map.new_nodes(shift, centre) {
-                let own = map.deviation(x, y, 1 << shift, centre);
-                let children = map.children(x, y, 1 << shift, centre);
-                let below = children.iter().map(|&(x, y)| codes[map.index(x, y)]).max().unwrap_or(0);
-                let index = map.index(x, y);
-                codes[index] = encode_deviation((own as f32).next_up()).max(below);
-            }
+/// When the parts leave some of the map out.
+#[must_use]
+pub fn crown(grid: Grid, parts: &[&Base]) -> Field<u8> {
+    let level = grid.root_level() + 1;
+    let core = Window::new(0, 0, grid.width(level) as usize, grid.height(level) as usize);
+    let mut codes = Field::new(core.finer_cells().nodes());
+    for (shift, planes) in (1..).zip(derive_block(continued(grid, parts, core), core, LEVELS, None).levels) {
+        let nodes = Window::between(0, core.x1() >> (shift - 1), 0, core.y1() >> (shift - 1)).nodes();
+        for (x, y) in (0..nodes.ny as i32).flat_map(|y| (0..nodes.nx as i32).map(move |x| (x, y))) {
+            codes.put(x << shift, y << shift, planes.deviations.at(x, y));
+        }
+    }
+    codes
+}
+
+/// Puts the crown's codes into the root level's, at the nodes with two even indices.
+pub fn lay(crown: &Field<u8>, codes: &mut Field<u8>) {
+    let (w, map) = (codes.window(), crown.window());
+    for (x, y) in (w.y0..w.y1()).flat_map(|y| (w.x0..w.x1()).map(move |x| (x, y))) {
+        if (x | y) & 1 == 0 && map.contains(&Window::new(x, y, 1, 1)) {
+            codes.put(x, y, crown.at(x, y));
         }
     }
 }
 
-/// For each node how far S_0 may lie from the flat halves of the root cells about it, in height
-/// units.
-fn residues(grid: Grid, codes: &[u8]) -> Vec<f32> {
-    let columns = columns(grid);
-    let mut residues = vec![0.0f32; ROWS * columns];
-    for y in 0..256 {
-        for x in 0..256 << u32::from(!grid.plane) {
-            let corner = |dx: usize, dy: usize| (y + dy) * columns + (x + dx) % columns;
-            // The two corners with one odd index.
-            let sides = if (x + y) % 2 == 0 { [corner(1, 0), corner(0, 1)] } else { [corner(0, 0), corner(1, 1)] };
-            let residue = decode_deviation(codes[sides[0]].min(codes[sides[1]]));
-            for k in [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)] {
-                residues[k] = residues[k].max(residue);
-            }
-        }
-    }
-    residues
+/// The parts as one base, continued beyond the map's edge.
+fn continued(grid: Grid, parts: &[&Base], core: Window) -> Base {
+    let level = grid.root_level() + 1;
+    let window = core.expand(padding(LEVELS));
+    let node = |x: i32, y: i32| {
+        let (x, y) = grid.home_node(level, x, y);
+        held(parts.iter().map(|part| &part.nodes), x, y)
+    };
+    let below: Vec<&Below> = parts.iter().filter_map(|part| part.below.as_ref()).collect();
+    let interval = |x: i32, y: i32| {
+        let (x, y) = grid.home_cell(level, x, y);
+        held(below.iter().map(|part| &part.intervals), x, y)
+    };
+    let centre = |x: i32, y: i32| {
+        let (x, y) = grid.home_cell(level, x, y);
+        held(below.iter().map(|part| &part.centres), x, y)
+    };
+    let known = below.iter().map(|part| part.distances.len()).min().unwrap_or(0);
+    let below = Below {
+        intervals: Field::from_fn(window, interval),
+        extremes: Field::new(core),
+        centres: Field::from_fn(window, centre),
+        distances: (0..known).map(|index| distances(grid, &below, window, index)).collect(),
+    };
+    Base { level, nodes: Field::from_fn(window.nodes(), node), mip: None, below: Some(below) }
 }
 
-struct Map<'a> {
-    nodes: &'a [i32],
-    columns: usize,
-    plane: bool,
-    residues: Vec<f32>,
+/// The value at (x, y) of the first field that has it.
+fn held<'a, T: Copy + Default + 'a>(mut fields: impl Iterator<Item = &'a Field<T>>, x: i32, y: i32) -> T {
+    let here = Window::new(x, y, 1, 1);
+    let field = fields.find(|field| field.window().contains(&here));
+    field.unwrap_or_else(|| panic!("no part of the map holds ({x}, {y})")).at(x, y)
 }
 
-impl Map<'_> {
-    /// Nodes new `shift` levels above the root, centres or side midpoints.
-    fn new_nodes(&self, shift: u32, centre: bool) -> impl Iterator<Item = (i32, i32)> + use<> {
-        let (step, columns) = (1usize << shift, self.columns);
-        (0..ROWS).step_by(step).flat_map(move |y| (0..columns).step_by(step).map(move |x| (x, y))).filter_map(
-            move |(x, y)| {
-                let odd = ((x >> shift) & 1, (y >> shift) & 1);
-                let wanted = if centre { odd == (1, 1) } else { odd.0 != odd.1 };
-                wanted.then_some((x as i32, y as i32))
-            },
-        )
-    }
-
-    fn inside(&self, x: i32, y: i32) -> bool {
-        (0..ROWS as i32).contains(&y) && (!self.plane || (0..self.columns as i32).contains(&x))
-    }
-
-    fn index(&self, x: i32, y: i32) -> usize {
-        // 512 columns wrap, 257 need not.
-        let column = if self.plane { x } else { x & (self.columns as i32 - 1) };
-        y as usize * self.columns + column as usize
-    }
-
-    fn height(&self, x: i32, y: i32) -> f64 {
-        f64::from(self.nodes[self.index(x, y)])
-    }
-
-    /// The nodes that halve the legs of the triangles about (x, y).
-    fn children(&self, x: i32, y: i32, step: i32, centre: bool) -> Vec<(i32, i32)> {
-        let offsets = match centre {
-            true => [(step, 0), (-step, 0), (0, step), (0, -step)],
-            false => [(1, 1), (1, -1), (-1, 1), (-1, -1)].map(|(a, b)| (a * step / 2, b * step / 2)),
-        };
-        let all = offsets.map(|(dx, dy)| (x + dx, y + dy));
-        // The root's own centres' deviations are below those of its sides already.
-        all.into_iter().filter(|&(x, y)| self.inside(x, y)).collect()
-    }
-
-    /// The largest distance from S_0 to the two triangles about (x, y), in height units.
-    fn deviation(&self, x: i32, y: i32, step: i32, centre: bool) -> f64 {
-        let triangles = match (centre, (x & step) != 0) {
-            // The diagonal goes south-west to north-east where the cell's indices have an even sum.
-            (true, _) if (x / (2 * step) + y / (2 * step)) % 2 == 0 => {
-                [[(-step, -step), (step, step), (step, -step)], [(-step, -step), (step, step), (-step, step)]]
-            }
-            (true, _) => [[(step, -step), (-step, step), (step, step)], [(step, -step), (-step, step), (-step, -step)]],
-            (false, true) => [[(-step, 0), (step, 0), (0, step)], [(-step, 0), (step, 0), (0, -step)]],
-            (false, false) => [[(0, -step), (0, step), (step, 0)], [(0, -step), (0, step), (-step, 0)]],
-        };
-        triangles.into_iter().map(|corners| self.triangle(x, y, corners)).fold(0.0, f64::max)
-    }
-
-    /// The same for one triangle, corners relative to (x, y); nothing for one beyond the map.
-    fn triangle(&self, x: i32, y: i32, corners: [(i32, i32); 3]) -> f64 {
-        let [a, b, c] = corners.map(|(dx, dy)| (x + dx, y + dy));
-        if ![a, b, c].into_iter().all(|(x, y)| self.inside(x, y)) {
-            return 0.0;
+/// Distances about the map, 0 where no triangle lies: beyond a pole or a plane's edge.
+fn distances(grid: Grid, parts: &[&Below], window: Window, index: usize) -> Field<CellDistances> {
+    let up = index as u32 + 1;
+    let level = grid.root_level() + 1 + up;
+    let (w, h) = (grid.width(level) as i32, grid.height(level) as i32);
+    let window = Window::between(window.x0 >> up, window.x1() >> up, window.y0 >> up, window.y1() >> up);
+    Field::from_fn(window, |x, y| {
+        let on_map = (0..h).contains(&y) && (!grid.plane || (0..w).contains(&x));
+        match on_map {
+            true => held(parts.iter().map(|part| &part.distances[index]), x.rem_euclid(w), y),
+            false => CellDistances::default(),
         }
-        let [ha, hb, hc] = [a, b, c].map(|(x, y)| self.height(x, y));
-        let area = f64::from((b.0 - a.0) * (c.1 - a.1) - (c.0 - a.0) * (b.1 - a.1));
-        let along_x = ((hb - ha) * f64::from(c.1 - a.1) - (hc - ha) * f64::from(b.1 - a.1)) / area;
-        let along_y = ((hc - ha) * f64::from(b.0 - a.0) - (hb - ha) * f64::from(c.0 - a.0)) / area;
-        let (mut distance, mut residue) = (0.0f64, 0.0f32);
-        for v in a.1.min(b.1).min(c.1)..=a.1.max(b.1).max(c.1) {
-            let (first, last) = span([a, b, c], v);
-            let west = ha + along_y * f64::from(v - a.1);
-            for u in first..=last {
-                let k = self.index(u, v);
-                distance = distance.max((f64::from(self.nodes[k]) - (west + along_x * f64::from(u - a.0))).abs());
-                residue = residue.max(self.residues[k]);
-            }
-        }
-        distance + f64::from(residue)
-    }
-}
-
-/// First and last node of row v in a triangle whose sides run along rows, columns or diagonals.
-fn span(corners: [(i32, i32); 3], v: i32) -> (i32, i32) {
-    let (mut first, mut last) = (i32::MAX, i32::MIN);
-    for (p, q) in [(0, 1), (1, 2), (2, 0)].map(|(i, j)| (corners[i], corners[j])) {
-        let (low, high) = if p.1 <= q.1 { (p, q) } else { (q, p) };
-        if (low.1..=high.1).contains(&v) {
-            let x = low.0 + (high.0 - low.0).signum() * (v - low.1);
-            let ends = if low.1 == high.1 { [p.0, q.0] } else { [x, x] };
-            first = first.min(ends[0]).min(ends[1]);
-            last = last.max(ends[0]).max(ends[1]);
-        }
-    }
-    (first, last)
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::block::Block;
+    use super::super::code::decode_deviation;
+    use super::super::oracle::{distance, terrain, triangles};
     use super::*;
 
-    /// A rough map whose codes of level 0 hold the twists of the cells about them, m = 8.
-    fn rough(plane: bool) -> (Grid, Vec<i32>, Vec<u8>) {
-        let grid = Grid::new(8, plane);
-        let columns = columns(grid);
-        let mut state = 1u32;
-        let mut random = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 20) as i32 - 2048
-        };
-        let waves = |x: usize, y: usize| {
-            let lon = x as f64 / columns as f64 * std::f64::consts::TAU;
-            (3e4 * (lon.sin() + (5.0 * lon).cos() * (y as f64 / 40.0).sin())) as i32
-        };
-        let nodes: Vec<i32> = (0..ROWS * columns).map(|k| waves(k % columns, k / columns) + random()).collect();
-        let mut codes = vec![0; nodes.len()];
-        let at = |x: usize, y: usize| nodes[y * columns + x % columns];
-        for y in 0..256 {
-            for x in 0..columns - usize::from(plane) {
-                let twist = (at(x, y) - at(x + 1, y) - at(x, y + 1) + at(x + 1, y + 1)).abs();
-                let code = encode_deviation(twist as f32 / 4.0);
-                for (u, v) in [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)] {
-                    let k = v * columns + u % columns;
-                    if (u | v) & 1 == 1 {
-                        codes[k] = codes[k].max(code);
-                    }
-                }
-            }
+    /// The block of a whole map, its heights continued beyond the edge, and those heights.
+    fn whole(grid: Grid, rough: f64) -> (Block, Field<i32>) {
+        let core = Window::new(0, 0, grid.width(0) as usize, grid.height(0) as usize);
+        let mut map = terrain(core.nodes(), rough, 7);
+        for x in 0..=core.x1() {
+            map.put(x, 0, -400);
+            map.put(x, core.y1(), 900);
         }
-        (grid, nodes, codes)
+        let heights = Field::from_fn(core.expand(core.y1()).nodes(), |x, y| {
+            let (x, y) = grid.home_node(0, x, y);
+            map.at(x, y)
+        });
+        let levels = grid.root_level() + 1;
+        let nodes = heights.crop(core.expand(padding(levels)).nodes());
+        let mut block = derive_block(Base { level: 0, nodes, mip: None, below: None }, core, levels, None);
+        let codes = crown(grid, &[&block.next]);
+        lay(&codes, &mut block.levels[grid.root_level() as usize].deviations);
+        (block, heights)
     }
 
-    /// Whether a triangle of the mesh strays further from a bilinear S_0 than its node's code says.
-    fn strays(grid: Grid, nodes: &[i32], codes: &[u8], shift: u32) -> bool {
-        let columns = columns(grid);
-        let step = 1i64 << shift;
-        let height = |u: i64, v: i64| f64::from(nodes[v as usize * columns + u.rem_euclid(columns as i64) as usize]);
-        let surface = |x: f64, y: f64| {
-            let (u, v) = (x.floor(), y.floor().min(255.0));
-            let (f, g, u, v) = (x - u, y - v, u as i64, v as i64);
-            (1.0 - g) * ((1.0 - f) * height(u, v) + f * height(u + 1, v))
-                + g * ((1.0 - f) * height(u, v + 1) + f * height(u + 1, v + 1))
+    /// Nodes that are new `shift` levels above the root, in its indices.
+    fn new_nodes(grid: Grid, shift: u32) -> impl Iterator<Item = (i32, i32)> {
+        let root = grid.root_level();
+        let line = move |cells: u32| (0..=cells as i32).step_by(1 << shift);
+        let all = line(grid.height(root)).flat_map(move |y| line(grid.width(root)).map(move |x| (x, y)));
+        all.filter(move |(x, y)| ((x | y) >> shift) & 1 == 1)
+    }
+
+    /// The nodes that halve the legs of a node's triangles, but for those beyond the map.
+    fn children(grid: Grid, (x, y): (i32, i32)) -> impl Iterator<Item = (i32, i32)> {
+        let n = 1i32 << (x | y).trailing_zeros();
+        let offsets = match x & y & n != 0 {
+            true => [(n, 0), (-n, 0), (0, n), (0, -n)],
+            false => [(1, 1), (1, -1), (-1, 1), (-1, -1)].map(|(u, v)| (u * n / 2, v * n / 2)),
         };
-        let mut stray = false;
-        let mut check = |v: (i64, i64), corners: [(i64, i64); 3]| {
-            let bound =
-                f64::from(decode_deviation(codes[v.1 as usize * columns + v.0.rem_euclid(columns as i64) as usize]));
-            let h = corners.map(|(x, y)| height(x, y));
-            for i in 0..=8 {
-                for j in 0..=8 - i {
-                    let w = [f64::from(i) / 8.0, f64::from(j) / 8.0, f64::from(8 - i - j) / 8.0];
-                    let sum = |f: &dyn Fn(usize) -> f64| (0..3).map(|n| w[n] * f(n)).sum::<f64>();
-                    let (x, y, plane) = (sum(&|n| corners[n].0 as f64), sum(&|n| corners[n].1 as f64), sum(&|n| h[n]));
-                    let x = if grid.plane { x.min(255.999_999) } else { x };
-                    stray |= (surface(x, y) - plane).abs() > bound + 1e-3;
-                }
-            }
-        };
-        for y in (step..256).step_by(2 * step as usize) {
-            for x in (step..columns as i64 - 1).step_by(2 * step as usize) {
-                let even = (x / (2 * step) + y / (2 * step)) % 2 == 0;
-                let (a, b) = if even { (-step, step) } else { (step, -step) };
-                check((x, y), [(x + a, y - step), (x + b, y + step), (x + step, y + if even { -step } else { step })]);
-                check((x, y - step), [(x - step, y - step), (x + step, y - step), (x, y)]);
-                check((x - step, y), [(x - step, y - step), (x - step, y + step), (x, y)]);
+        let (w, h) = (grid.width(grid.root_level()) as i32, grid.height(grid.root_level()) as i32);
+        offsets
+            .map(|(u, v)| (x + u, y + v))
+            .into_iter()
+            .filter(move |&(x, y)| (0..=w).contains(&x) && (0..=h).contains(&y))
+    }
+
+    /// Compares the codes of a shift with the truth about the triangles on the map. Returns the
+    /// mean ratio of a code's bound to the larger of that and its children's bounds.
+    fn judge(grid: Grid, heights: &Field<i32>, codes: &Field<u8>, shift: u32) -> f64 {
+        let (root, last) = (grid.root_level(), (grid.width(0) as i32, grid.height(0) as i32));
+        let bound = |(x, y)| f64::from(decode_deviation(codes.at(x, y)));
+        let (mut sum, mut count) = (0.0, 0);
+        for (x, y) in new_nodes(grid, shift) {
+            let on_map =
+                |t: &[(i32, i32); 3]| t.iter().all(|c| (0..=last.0).contains(&c.0) && (0..=last.1).contains(&c.1));
+            let triangles = triangles(root + shift, x >> shift, y >> shift).into_iter().filter(on_map);
+            let own = triangles.map(|t| distance(heights, t, 1)).fold(0.0, f64::max);
+            assert!(bound((x, y)) >= own - 1e-9, "({x}, {y}): bound {} below {own}", bound((x, y)));
+            let least = children(grid, (x, y)).map(bound).fold(own, f64::max);
+            if least > 1.0 {
+                sum += bound((x, y)) / least;
+                count += 1;
             }
         }
-        stray
+        sum / f64::from(count)
+    }
+
+    fn root_codes(grid: Grid, block: &Block) -> Field<u8> {
+        let root = grid.root_level();
+        let cells = Window::new(0, 0, grid.width(root) as usize, grid.height(root) as usize);
+        block.levels[root as usize].deviations.crop(cells.nodes())
     }
 
     #[test]
-    fn the_codes_bound_a_rough_surface_and_are_saturated() {
-        for plane in [false, true] {
-            let (grid, nodes, mut codes) = rough(plane);
-            crown(grid, &nodes, &mut codes);
-            for shift in 1..8 {
-                assert!(!strays(grid, &nodes, &codes, shift), "plane {plane}, {shift} levels up");
-            }
-            let map = Map { nodes: &nodes, columns: columns(grid), plane, residues: Vec::new() };
-            for (shift, centre) in (1..8).flat_map(|s| [(s, false), (s, true)]) {
-                for (x, y) in map.new_nodes(shift, centre) {
-                    for (u, v) in map.children(x, y, 1 << shift, centre) {
-                        assert!(codes[map.index(x, y)] >= codes[map.index(u, v)]);
-                    }
-                }
+    fn codes_hold_the_truth_and_are_tight() {
+        for (m, is_plane, rough) in [(8, false, 0.5), (9, true, 0.8), (9, false, 0.35)] {
+            let grid = Grid::new(m, is_plane);
+            let (block, heights) = whole(grid, rough);
+            let codes = root_codes(grid, &block);
+            for shift in 1..=LEVELS {
+                let mean = judge(grid, &heights, &codes, shift);
+                assert!((1.0..1.2).contains(&mean), "m {m}, plane {is_plane}, {shift} levels up: {mean}");
             }
         }
     }
 
     #[test]
-    fn the_check_finds_codes_that_are_too_small() {
-        let (grid, nodes, mut codes) = rough(false);
-        crown(grid, &nodes, &mut codes);
-        let lowered: Vec<u8> = codes.iter().map(|c| c.saturating_sub(6)).collect();
-        assert!((1..8).any(|shift| strays(grid, &nodes, &lowered, shift)));
+    #[should_panic(expected = "bound")]
+    fn a_code_too_low_is_caught() {
+        let grid = Grid::new(8, true);
+        let (block, heights) = whole(grid, 0.5);
+        let mut lowered = root_codes(grid, &block);
+        for code in lowered.data_mut() {
+            *code = code.saturating_sub(3);
+        }
+        judge(grid, &heights, &lowered, 3);
+    }
+
+    #[test]
+    fn no_node_is_below_its_children() {
+        let grid = Grid::new(9, false);
+        let codes = root_codes(grid, &whole(grid, 0.8).0);
+        for node in (1..=LEVELS).flat_map(|shift| new_nodes(grid, shift)) {
+            for (u, v) in children(grid, node) {
+                assert!(codes.at(u, v) <= codes.at(node.0, node.1), "({u}, {v}) above {node:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn parts_do_not_show() {
+        let grid = Grid::new(8, false);
+        let next = whole(grid, 0.6).0.next;
+        let window = next.nodes.window().cells();
+        let part = |x: usize| {
+            let cells = Window::new((x * window.nx / 2) as i32, 0, window.nx / 2, window.ny);
+            let below = next.below.as_ref().unwrap();
+            let halved = |f: &Field<CellDistances>| {
+                let w = f.window();
+                f.crop(Window::new((x * w.nx / 2) as i32, 0, w.nx / 2, w.ny))
+            };
+            let below = Below {
+                intervals: below.intervals.crop(cells),
+                extremes: below.extremes.crop(cells),
+                centres: below.centres.crop(cells),
+                distances: below.distances.iter().map(halved).collect(),
+            };
+            Base { level: next.level, nodes: next.nodes.crop(cells.nodes()), mip: None, below: Some(below) }
+        };
+        assert_eq!(crown(grid, &[&part(0), &part(1)]), crown(grid, &[&next]));
     }
 }

@@ -151,6 +151,13 @@ impl<T: Copy + Default> Field<T> {
         self.row(y, x, 1)[0]
     }
 
+    /// Writes the value at (x, y), which must lie in the window.
+    pub fn put(&mut self, x: i32, y: i32, value: T) {
+        let w = self.window;
+        debug_assert!(w.contains(&Window::new(x, y, 1, 1)), "({x}, {y}) outside {w:?}");
+        self.data[(y - w.y0) as usize * w.nx + (x - w.x0) as usize] = value;
+    }
+
     /// `n` values of row y from column x on; all must lie in the window.
     #[must_use]
     pub fn row(&self, y: i32, x: i32, n: usize) -> &[T] {

@@ -12,7 +12,7 @@
 //! | [`deviation`] | codes of the nodes new at level k | nodes and intervals of level max(0, k - 3), codes of k - 1 |
 //! | [`virtual_cells`] | codes that stand for level -1 where k = 0 | nodes of level 0 |
 //! | [`local`] | a predictor of those codes | nodes of level k alone |
-//! | [`crown`] | codes above the coarsest stored level | nodes and codes of the root level |
+//! | [`crown`] | codes of the levels above the root's | what the last stage hands on |
 //!
 //! [`block`] runs them level by level over one block of the map.
 

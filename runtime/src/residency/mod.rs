@@ -11,7 +11,6 @@
 
 mod capacity;
 mod closure;
-mod crown;
 mod demand;
 mod lacking;
 mod loader;

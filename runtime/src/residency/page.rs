@@ -8,7 +8,6 @@ use relief_formats::file::FormatError;
 use relief_formats::tile::TileKey;
 use relief_shaders::pages::{BLOCKS, BOUND_WORDS, EXTREME_WORDS, HEIGHT_WORDS};
 
-use super::crown::Crown;
 use super::lacking::Lacking;
 use crate::planet::Planet;
 
@@ -28,14 +27,13 @@ pub struct Page {
 pub(super) struct Decoder {
     planet: Arc<Planet>,
     bounds: Cache<TileKey, Arc<Vec<Extremes>>>,
-    crown: Crown,
     lacking: Lacking,
 }
 
 impl Decoder {
     pub fn new(planet: Arc<Planet>) -> Self {
         let lacking = Lacking::new(Arc::clone(&planet));
-        Self { planet, bounds: Cache::new(KEPT_BOUNDS), crown: Crown::default(), lacking }
+        Self { planet, bounds: Cache::new(KEPT_BOUNDS), lacking }
     }
 
     /// The page of a tile, which below the root level the file need not have.
@@ -45,12 +43,9 @@ impl Decoder {
         let metres = |q: i32| q as f32 * step_m;
         let nodes = self.planet.tiles().nodes(key)?;
         let extremes = self.nested(key)?;
-        let codes = match key.level == self.planet.grid().root_level() {
-            true => self.crown.tile(&self.planet, key)?,
-            false => match self.planet.tiles().deviations(key)? {
-                Some(codes) => codes,
-                None => self.lacking.codes(key)?.to_vec(),
-            },
+        let codes = match self.planet.tiles().deviations(key)? {
+            Some(codes) => codes,
+            None => self.lacking.codes(key)?.to_vec(),
         };
         let heights: Vec<f32> = nodes.iter().map(|&q| metres(q)).collect();
         let mut bounds: Vec<u32> =

@@ -46,6 +46,11 @@ impl<'a> Handoffs<'a> {
         self.blocks.insert((x, y), Arc::new(handoff));
     }
 
+    /// The base of each block.
+    pub fn bases(&self) -> impl Iterator<Item = &Base> {
+        self.blocks.values().map(|handoff| &handoff.base)
+    }
+
     /// The base of a stage over `core`, padded by `pad` cells, and its filled nodes.
     pub fn gather(&self, core: Window, pad: i32) -> Result<(Base, Field<bool>), ToolError> {
         let plan = self.composer.plan;

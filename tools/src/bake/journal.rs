@@ -13,7 +13,7 @@ use relief_formats::tile_planes::EncodedTile;
 use super::record;
 use super::stage::{BlockKey, Finished};
 
-const MAGIC: &[u8; 16] = b"relief-bake wk 1";
+const MAGIC: &[u8; 16] = b"relief-bake wk 2";
 const HEAD_BYTES: u64 = 48;
 
 /// A tile in the journal: its index entry, whose `offset` is the place in the journal.

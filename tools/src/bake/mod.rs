@@ -1,6 +1,7 @@
 //! The bake: stages of blocks from the finest level up, a journal of finished blocks, one file.
 
 mod compose;
+mod crown;
 mod handoff;
 mod journal;
 mod plan;

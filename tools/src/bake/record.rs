@@ -14,7 +14,7 @@ use super::stage::{BlockKey, Finished};
 /// What a record holds besides tiles.
 pub struct Rest {
     /// The block's summary.
-    pub handoff: Option<Handoff>,
+    pub handoff: Handoff,
     /// True when some node is measured.
     pub measured: bool,
 }
@@ -46,8 +46,7 @@ pub fn encode(key: BlockKey, finished: &Finished) -> Vec<u8> {
         out.extend_from_slice(plane);
     }
     out.push(u8::from(finished.measured));
-    out.push(u8::from(finished.handoff.is_some()));
-    let Some(handoff) = &finished.handoff else { return out };
+    let handoff = &finished.handoff;
     out.extend(handoff.base.level.to_le_bytes());
     put_ints(&mut out, &handoff.base.nodes, |&q| [q]);
     put_ints(&mut out, handoff.base.mip.as_ref().unwrap_or(&handoff.base.nodes), |&q| [q]);
@@ -91,8 +90,8 @@ pub fn decode(payload: &[u8]) -> Option<(BlockKey, Finished)> {
             input = rest;
         }
     }
-    let [measured, has_handoff] = take(&mut input)?;
-    let handoff = if has_handoff == 1 { Some(take_handoff(&mut input)?) } else { None };
+    let [measured] = take(&mut input)?;
+    let handoff = take_handoff(&mut input)?;
     Some((key, Finished { tiles, handoff, measured: measured == 1 }))
 }
 

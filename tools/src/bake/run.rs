@@ -12,6 +12,7 @@ use relief_formats::file::{FormatError, Metadata};
 use relief_formats::mesh::{self, MeshLayout};
 
 use super::compose::Composer;
+use super::crown::crowned;
 use super::handoff::{Handoff, Handoffs};
 use super::journal::{Journal, Placed};
 use super::plan::{BLOCK_LEVELS, Plan};
@@ -100,7 +101,8 @@ struct Baker<'a> {
     stop: &'a AtomicBool,
     journal: Journal,
     tiles: Vec<Placed>,
-    done: BTreeMap<(u32, u32, u32), Option<Handoff>>,
+    done: BTreeMap<(u32, u32, u32), Handoff>,
+    crowned: BTreeMap<usize, Vec<u8>>,
     measured: bool,
     resumed: usize,
 }
@@ -133,7 +135,7 @@ impl<'a> Baker<'a> {
             None => Journal::create(&path, identity).map_err(failed)?,
         };
         let resumed = done.len();
-        Ok(Self { plan, composer, options, stop, journal, tiles, done, measured, resumed })
+        Ok(Self { plan, composer, options, stop, journal, tiles, done, crowned: BTreeMap::new(), measured, resumed })
     }
 
     fn run(&mut self) -> Result<(), ToolError> {
@@ -154,7 +156,7 @@ impl<'a> Baker<'a> {
             let (ready, missing): (Vec<_>, Vec<_>) =
                 keys.into_iter().partition(|k| self.done.contains_key(&(k.level, k.x, k.y)));
             for key in ready {
-                if let Some(Some(handoff)) = self.done.remove(&(key.level, key.x, key.y)) {
+                if let Some(handoff) = self.done.remove(&(key.level, key.x, key.y)) {
                     next.insert(key.x as i32, key.y as i32, handoff);
                 }
                 progress.add(1);
@@ -171,14 +173,15 @@ impl<'a> Baker<'a> {
                         .map_err(|error| io_error("cannot write the work file", &path, error))?;
                     self.tiles.extend(placed);
                     self.measured |= finished.measured;
-                    if let Some(handoff) = finished.handoff {
-                        next.insert(key.x as i32, key.y as i32, handoff);
-                    }
+                    next.insert(key.x as i32, key.y as i32, finished.handoff);
                     progress.add(1);
                 }
             }
             below = Some(next);
         }
+        let parts: Vec<&Base> = below.iter().flat_map(Handoffs::bases).collect();
+        self.crowned = crowned(self.plan.grid, &parts, &mut self.tiles, &self.journal)
+            .map_err(|error| io_error("cannot use the work file", &work_file(&self.options.output), error))?;
         Ok(())
     }
 
@@ -218,12 +221,17 @@ impl<'a> Baker<'a> {
             metadata,
             mesh: &mesh,
         };
-        write(&self.options.output, &spec, &self.tiles, |n, buffer| self.journal.read(&self.tiles[n], buffer)).map_err(
-            |error| match error {
-                FormatError::Io { action, path, error } => io_error(action, &path, error),
-                error => ToolError::of_file(&self.options.output)(error),
-            },
-        )
+        let planes = |n: usize, buffer: &mut Vec<u8>| match self.crowned.get(&n) {
+            Some(bytes) => {
+                buffer.extend_from_slice(bytes);
+                Ok(())
+            }
+            None => self.journal.read(&self.tiles[n], buffer),
+        };
+        write(&self.options.output, &spec, &self.tiles, planes).map_err(|error| match error {
+            FormatError::Io { action, path, error } => io_error(action, &path, error),
+            error => ToolError::of_file(&self.options.output)(error),
+        })
     }
 }
 

@@ -23,8 +23,8 @@ pub struct BlockKey {
 pub struct Finished {
     /// Its tiles.
     pub tiles: Vec<EncodedTile>,
-    /// Its summary, unless the stage ended at the root.
-    pub handoff: Option<Handoff>,
+    /// Its summary.
+    pub handoff: Handoff,
     /// True when some node of its tiles is measured.
     pub measured: bool,
 }
@@ -125,7 +125,6 @@ pub fn finish(plan: &Plan, key: BlockKey, base: Base, filled: Field<bool>) -> Fi
     let tiles: Vec<EncodedTile> = key.tiles(plan).into_par_iter().map(encode_one).collect();
     let measured = filled_levels[0].crop(core.nodes()).data().contains(&false);
     let top = Window::new(core.x0 >> levels, core.y0 >> levels, core.nx >> levels, core.ny >> levels);
-    let handoff = (key.level + levels <= root)
-        .then(|| Handoff { base: block.next.clone(), filled: filled_levels[levels as usize].crop(top.nodes()) });
+    let handoff = Handoff { base: block.next, filled: filled_levels[levels as usize].crop(top.nodes()) };
     Finished { tiles, handoff, measured }
 }

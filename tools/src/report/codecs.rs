@@ -138,7 +138,8 @@ fn tile(tiles: &Tiles<'_>, entry: &Entry) -> Result<[Cost; 6], FormatError> {
     let (_, encode_s) = timed(|| encode(&samples));
     let (decoded, rest_s) = timed(|| {
         hext::decode(relief.plane_bytes(entry, Plane::Hext), &heights).map_err(damaged(Plane::Hext))?;
-        deviation::decode(relief.plane_bytes(entry, Plane::Deviation), &heights).map_err(damaged(Plane::Deviation))?;
+        deviation::decode(relief.plane_bytes(entry, Plane::Deviation), &heights, root)
+            .map_err(damaged(Plane::Deviation))?;
         filled::decode(relief.plane_bytes(entry, Plane::Filled)).map_err(damaged(Plane::Filled))
     });
     decoded?;

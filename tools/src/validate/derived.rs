@@ -6,17 +6,19 @@
 //! those summaries.
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 use relief_formats::codec::hext;
+use relief_formats::derive::crown::{crown, lay};
 use relief_formats::derive::extremes::Extremes;
-use relief_formats::derive::{Absent, Base, Block, LevelPlanes, Window, decode_deviation, derive_block, padding};
+use relief_formats::derive::{Absent, Base, Block, Field, LevelPlanes, Window, derive_block, padding};
 use relief_formats::file::FormatError;
 use relief_formats::tile::{TILE_CELLS, TILE_NODES, TileKey};
 
 use super::check::Check;
-use super::finding::{Findings, Place};
+use super::compare::Compare;
+use super::finding::Findings;
 use super::map::Map;
 use super::summary::Summaries;
 
@@ -46,7 +48,8 @@ pub(super) fn derived(
     let mut summaries: Option<Summaries<'_>> = None;
     let mut first = 0;
     while first <= root {
-        let stage = Stage { map, findings, first, levels: STAGE_LEVELS.min(root + 1 - first) };
+        let (compare, roots) = (Compare { map, findings }, Mutex::default());
+        let stage = Stage { map, compare, roots, first, levels: STAGE_LEVELS.min(root + 1 - first) };
         let block_bytes = BLOCK_BYTES[usize::from(first > 0)];
         // A quarter of the memory is the tile cache's.
         let free =
@@ -61,6 +64,9 @@ pub(super) fn derived(
             next.extend(done.collect::<Result<Vec<_>, FormatError>>()?);
         }
         first += stage.levels;
+        if first > root {
+            return stage.crown(&next);
+        }
         summaries = Some(Summaries::new(map, first, (BLOCK_CELLS >> stage.levels) as i32, next));
     }
     Ok(())
@@ -68,13 +74,26 @@ pub(super) fn derived(
 
 struct Stage<'a> {
     map: &'a Map<'a>,
-    findings: &'a Findings,
+    compare: Compare<'a>,
+    /// The root level's tiles' deviations, but for the crown's.
+    roots: Mutex<Vec<(TileKey, Field<u8>)>>,
     /// Level where it starts.
     first: u32,
     levels: u32,
 }
 
 impl Stage<'_> {
+    /// Compares the root level's deviations, with those of the levels above it.
+    fn crown(self, parts: &HashMap<(i32, i32), Arc<Base>>) -> Result<(), FormatError> {
+        let parts: Vec<&Base> = parts.values().map(|base| &**base).collect();
+        let codes = crown(self.map.grid, &parts);
+        for (key, mut built) in self.roots.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            lay(&codes, &mut built);
+            self.compare.deviations(key, &built)?;
+        }
+        Ok(())
+    }
+
     /// Blocks with a tile: those present at the stage's last level, or the whole map at its end.
     fn blocks(&self) -> Vec<(i32, i32)> {
         let grid = &self.map.grid;
@@ -133,7 +152,7 @@ impl Stage<'_> {
         let nodes = Window::new(x0, y0, TILE_NODES, TILE_NODES);
         if let Some(mip) = &planes.mip {
             let (built, stored) = (mip.crop(nodes), self.map.tiles.mip(key)?);
-            self.compare(Check::Mip, key, 1, built.data(), &stored, |built, stored| {
+            self.compare.samples(Check::Mip, key, 1, built.data(), &stored, |built, stored| {
                 (stored != built).then(|| format!("{stored} steps, must be {built}"))
             });
         }
@@ -142,49 +161,21 @@ impl Stage<'_> {
         let words = |how: &str, stored: &Extremes, other: &Extremes| {
             format!("bounds {} to {} steps {how} {} to {}", stored.min, stored.max, other.min, other.max)
         };
-        let inside = self.compare(Check::HextInside, key, 2, truth.data(), &stored, |truth, stored| {
+        let inside = self.compare.samples(Check::HextInside, key, 2, truth.data(), &stored, |truth, stored| {
             (stored.min > truth.min || stored.max < truth.max).then(|| words("inside S_0's", stored, truth))
         });
         if !inside {
             let (_, tight) = hext::encode(truth.data(), &self.map.tiles.nodes(key)?);
-            self.compare(Check::HextLoose, key, 2, &tight, &stored, |tight, stored| {
+            self.compare.samples(Check::HextLoose, key, 2, &tight, &stored, |tight, stored| {
                 (stored != tight).then(|| words("where these would do:", stored, tight))
             });
         }
-        if let Some(stored) = self.map.tiles.deviations(key)? {
-            let built = planes.deviations.crop(nodes);
-            let words = |built: u8, stored: u8| {
-                format!("at most {} steps, built from level 0: {}", decode_deviation(stored), decode_deviation(built))
-            };
-            self.compare(Check::DeviationLow, key, 1, built.data(), &stored, |&built, &stored| {
-                (stored < built).then(|| words(built, stored))
-            });
-            self.compare(Check::DeviationHigh, key, 1, built.data(), &stored, |&built, &stored| {
-                (stored > built).then(|| words(built, stored))
-            });
+        let built = planes.deviations.crop(nodes);
+        if key.level == self.map.grid.root_level() {
+            // Its even nodes' codes need the whole map.
+            self.roots.lock().unwrap_or_else(PoisonError::into_inner).push((key, built));
+            return Ok(());
         }
-        Ok(())
-    }
-
-    /// One finding for a tile's plane, at its first bad sample; entries are `spacing` nodes apart.
-    /// True if there is one.
-    fn compare<T>(
-        &self,
-        check: Check,
-        key: TileKey,
-        spacing: usize,
-        built: &[T],
-        stored: &[T],
-        fault: impl Fn(&T, &T) -> Option<String>,
-    ) -> bool {
-        let mut faults =
-            built.iter().zip(stored).enumerate().filter_map(|(at, (built, stored))| Some((at, fault(built, stored)?)));
-        let Some((at, what)) = faults.next() else { return false };
-        let count = 1 + faults.count();
-        let side = if spacing == 1 { TILE_NODES } else { TILE_NODES / spacing };
-        let node = (at % side * spacing, at / side * spacing);
-        let place = Place::node(self.map.relief.body(), &self.map.grid, key, node);
-        self.findings.add(check, place, format!("{what} ({count} in the tile)"));
-        true
+        self.compare.deviations(key, &built)
     }
 }

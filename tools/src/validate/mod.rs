@@ -17,6 +17,7 @@
 //! Each rule with its code and severity is in [`Check`]; a code never changes its meaning.
 
 pub mod check;
+mod compare;
 mod container;
 mod derived;
 pub mod finding;

@@ -59,7 +59,7 @@ impl<'a> Summaries<'a> {
             for x in padded.x0..=padded.x1() {
                 let (hx, hy) = map.grid.home_node(level, x, y);
                 let base = near.at(hx.min(w - 1), hy.min(h - 1))?;
-                put(&mut mip, x, y, base.mip.as_ref().unwrap_or(&base.nodes).at(hx, hy));
+                mip.put(x, y, base.mip.as_ref().unwrap_or(&base.nodes).at(hx, hy));
             }
             if y == padded.y1() {
                 break;
@@ -67,10 +67,10 @@ impl<'a> Summaries<'a> {
             for x in padded.x0..padded.x1() {
                 let (hx, hy) = map.grid.home_cell(level, x, y);
                 let Some(below) = &near.at(hx, hy)?.below else { continue };
-                put(&mut intervals, x, y, below.intervals.at(hx, hy));
-                put(&mut centres, x, y, below.centres.at(hx, hy));
+                intervals.put(x, y, below.intervals.at(hx, hy));
+                centres.put(x, y, below.centres.at(hx, hy));
                 if core.contains(&Window::new(x, y, 1, 1)) {
-                    put(&mut extremes, x, y, below.extremes.at(hx, hy));
+                    extremes.put(x, y, below.extremes.at(hx, hy));
                 }
             }
             for (up, field) in (1..).zip(&mut distances) {
@@ -84,7 +84,7 @@ impl<'a> Summaries<'a> {
                         let (hx, hy) = (x.rem_euclid(w >> up), y >> up);
                         let below = near.at(hx << up, hy << up)?.below.as_ref();
                         let known = below.and_then(|below| below.distances.get(up as usize - 1));
-                        put(field, x, hy, known.map_or_else(CellDistances::default, |known| known.at(hx, hy)));
+                        field.put(x, hy, known.map_or_else(CellDistances::default, |known| known.at(hx, hy)));
                     }
                 }
             }
@@ -169,9 +169,4 @@ impl Near<'_> {
             })),
         })
     }
-}
-
-fn put<T: Copy + Default>(field: &mut Field<T>, x: i32, y: i32, value: T) {
-    let window = field.window();
-    field.data_mut()[(y - window.y0) as usize * window.nx + (x - window.x0) as usize] = value;
 }
