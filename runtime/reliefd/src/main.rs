@@ -74,3 +74,9 @@ fn run() -> Result<Outcome, ToolError> {
         Command::Serve(args) => serve::run(&args),
     }
 }
+
+// The sample files of the whole-program tests.
+#[cfg(test)]
+#[path = "../../../tests/support/sample_file.rs"]
+#[allow(missing_docs, clippy::unwrap_used, dead_code, reason = "shared with the tests of other crates")]
+mod sample_file;

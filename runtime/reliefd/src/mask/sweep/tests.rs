@@ -5,10 +5,7 @@ use relief_formats::file::Relief;
 use relief_formats::grid::Grid;
 
 use super::*;
-
-#[path = "../../../../../tests/support/sample_file.rs"]
-mod sample_file;
-use sample_file::{Sample, wavy_q};
+use crate::sample_file::{Sample, wavy_q};
 
 fn planet(q: fn(Grid, u32, u32) -> i32) -> Arc<Planet> {
     let folder = tempfile::tempdir().unwrap();

@@ -4,10 +4,7 @@ use relief_formats::body::Body;
 use relief_formats::file::{Plane, Relief};
 
 use super::*;
-
-#[path = "../../../../../tests/support/sample_file.rs"]
-mod sample_file;
-use sample_file::Sample;
+use crate::sample_file::Sample;
 
 /// A globe of 128 tiles at level 0.
 fn write(path: &Path) {
