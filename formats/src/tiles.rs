@@ -53,8 +53,22 @@ impl<'a> Tiles<'a> {
         Self::over(File::Borrowed(relief), cache_bytes)
     }
 
+    /// Tiles of a file for reading all of a level once, row by row of its tiles, on so many threads:
+    /// room for the coarser tiles that a row is decoded from, and no more.
+    #[must_use]
+    pub fn for_level(relief: &'a Relief, level: u32, threads: usize) -> Self {
+        let grid = relief.grid();
+        let coarser: u64 = (level + 1..=grid.root_level()).map(|k| u64::from(grid.tiles_x(k))).sum();
+        // Nodes and means of each; two rows share theirs.
+        let planes = 2 * coarser.max(1) * threads.max(1).div_ceil(2) as u64;
+        Self::holding(File::Borrowed(relief), planes * TILE_BYTES)
+    }
+
     fn over(relief: File<'a>, cache_bytes: u64) -> Self {
-        let capacity = cache_bytes.max(64 * TILE_BYTES);
+        Self::holding(relief, cache_bytes.max(64 * TILE_BYTES))
+    }
+
+    fn holding(relief: File<'a>, capacity: u64) -> Self {
         let cache = Cache::with_weighter((capacity / TILE_BYTES) as usize, capacity, OneTile);
         Self { relief, cache, verify: true }
     }
@@ -90,6 +104,14 @@ impl<'a> Tiles<'a> {
     /// Heights of S_0 at a tile's nodes; between the coarser level's where the tile is absent.
     pub fn nodes(&self, key: TileKey) -> Result<Samples, FormatError> {
         self.cache.get_or_insert_with(&(key, Plane::Nodes), || self.decode_nodes(key).map(Arc::new))
+    }
+
+    /// [`Tiles::nodes`] for a reader who comes by each tile once: they are not kept.
+    pub fn nodes_once(&self, key: TileKey) -> Result<Samples, FormatError> {
+        match self.cache.get(&(key, Plane::Nodes)) {
+            Some(samples) => Ok(samples),
+            None => self.decode_nodes(key).map(Arc::new),
+        }
     }
 
     /// Filtered means at a tile's nodes; at level 0 the nodes themselves.

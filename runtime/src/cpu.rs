@@ -3,15 +3,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use relief_formats::file::FormatError;
 use relief_formats::tile::TileKey;
 use relief_shaders::frame::{self, Maps, Style};
 use relief_shaders::leb::{self, ReliefTriangle};
-use relief_shaders::shadow::dense::Dense;
 use relief_shaders::shadow::paper::PaperMap;
 use relief_shaders::{paper, planet as shared};
 
-use crate::frame::{Frame, RenderError, Renderer, Scheme, Settings, Shadow, Stats, sea_of, style_of};
+use crate::frame::{Frame, RenderError, Renderer, Scheme, Settings, Shadow, Stats, paper_map, sea_of, style_of};
 use crate::planet::Planet;
 use crate::residency::{Capacity, Progress, Ram, Resident};
 use crate::view::{View, ViewError};
@@ -87,7 +85,7 @@ impl Renderer for Cpu {
         }
         let uniform = view.uniform(self.resident.planet())?;
         settings.check()?;
-        settings.check_kernel(self.resident.planet().grid(), true)?;
+        settings.check_kernel(self.resident.planet().grid())?;
         if settings.shadow == Shadow::Paper && self.paper.is_none() {
             self.paper = Some(paper_map(self.resident.planet())?);
         }
@@ -122,15 +120,6 @@ impl Renderer for Cpu {
     fn damaged(&self) -> Vec<(TileKey, String)> {
         self.resident.damaged().map(|(key, error)| (key, error.to_string())).collect()
     }
-}
-
-/// The pyramids of paper 001, from level 0 of a plane.
-fn paper_map(planet: &Planet) -> Result<PaperMap, FormatError> {
-    let uniform = planet.uniform();
-    let dense = Dense::from_tiles(&uniform, planet.tiles(), 0)?;
-    let heights_m = (0..dense.rows()).flat_map(|y| &dense.row_m(y)[..dense.columns()]).copied().collect();
-    let units = (1u64 << (31 - uniform.m)) as f32;
-    Ok(PaperMap::new(uniform.m, [uniform.unit_x_m * units, uniform.unit_y_m * units], heights_m))
 }
 
 struct Clock(Instant);

@@ -2,11 +2,11 @@
 
 mod error;
 mod look;
+mod paper;
 mod picture;
 
 use std::time::{Duration, Instant};
 
-use relief_formats::grid::Grid;
 use relief_formats::tile::TileKey;
 use relief_shaders::frame::Style;
 
@@ -15,12 +15,10 @@ use crate::view::{View, ViewError};
 
 pub use error::RenderError;
 pub use look::{sea_of, style_of};
+pub(crate) use paper::{paper_map, refused};
 pub use picture::Frame;
 pub use relief_shaders::frame::{Fetches, Overlay, Shadow};
 pub use relief_shaders::leb::{Corner, ReliefTriangle};
-
-/// Largest map exponent of a plane whose shadows are found by the paper's kernel.
-const PAPER_MOST_M: u32 = 13;
 
 /// How a view is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,13 +38,6 @@ pub struct Settings {
 impl Settings {
     pub(crate) fn style(&self, look: &Style) -> Style {
         Style { overlay: self.overlay as u32, shadow: self.shadow as u32, air: self.air, ..*look }
-    }
-
-    /// Refuses the paper's shadows where they are not to be had.
-    pub(crate) fn check_kernel(&self, grid: Grid, cpu: bool) -> Result<(), ViewError> {
-        let good = self.shadow != Shadow::Paper || (cpu && grid.plane && grid.m <= PAPER_MOST_M);
-        let rule = "on the CPU backend, over a plane of at most 8192 x 8192 nodes; elsewhere take `exact`";
-        if good { Ok(()) } else { Err(ViewError::Kernel { what: "shadow kernel `paper`", rule }) }
     }
 
     /// Refuses what no kernel can draw with.

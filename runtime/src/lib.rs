@@ -15,7 +15,3 @@ pub mod residency;
 pub mod shadow;
 pub mod sun;
 pub mod view;
-
-// The sample files of the whole-program tests.
-#[cfg(test)]
-use relief_tests::sample_file;

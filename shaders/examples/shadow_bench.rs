@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let dense = Dense::from_tiles(&planet, &tiles, 0)?;
     let (columns, rows) = (dense.columns(), dense.rows());
-    let nodes = PlaneNodes { samples: dense.nodes_m(), unit_m: 1.0, columns, rows, spacing_m: [dx, dy] };
+    let nodes = PlaneNodes { samples: dense.nodes_m(), base: 0.0, unit_m: 1.0, columns, rows, spacing_m: [dx, dy] };
     let all = (columns * rows) as f64;
     let texels = (0..rows).flat_map(|y| dense.row_m(y)[..columns].to_vec()).collect();
     let paper = PaperMap::new(grid.m, [dx as f32, dy as f32], texels);

@@ -5,6 +5,9 @@
 // extremes and steps fetched, zeroed before.
 // use: shadow_paper
 
+@group(0) @binding(0) var<uniform> paper_map: ShadowPaperMap;
+@group(0) @binding(1) var<storage, read> paper_heights_m: array<f32>;
+@group(0) @binding(2) var<storage, read> paper_extremes: array<vec2<f32>>;
 @group(1) @binding(0) var<storage, read_write> mask: array<atomic<u32>>;
 @group(1) @binding(1) var<storage, read_write> fetched: array<atomic<u32>, 3>;
 
@@ -15,7 +18,8 @@ fn shadow_paper(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = vec2<f32>(id.xy) + 0.5;
-    let light = paper_shadow(at, paper_bilinear_m(paper_map.q, at.x, at.y));
+    let q = paper_map.q;
+    let light = paper_shadow(at, paper_bilinear_m(q, at.x, at.y), q, paper_map.sun.xyz);
     let texel = id.y * side + id.x;
     atomicOr(&mask[texel / 4u], u32(light.visible * 255.0 + 0.5) << (8u * (texel % 4u)));
     atomicAdd(&fetched[0], light.heights);

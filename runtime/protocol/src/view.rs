@@ -61,7 +61,7 @@ pub enum Shadow {
     /// Rays to the sun above the curved body.
     #[default]
     Exact,
-    /// The paper's rays, a baseline: planes, on the CPU.
+    /// The paper's rays, a baseline: planes of at most 8192 x 8192 nodes.
     Paper,
     /// None.
     None,

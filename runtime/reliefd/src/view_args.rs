@@ -57,7 +57,7 @@ pub enum SchemeChoice {
 pub enum ShadowChoice {
     /// Rays to the sun, above the curved body
     Exact,
-    /// The paper's rays, a baseline: planes, on the CPU
+    /// The paper's rays, a baseline: planes of at most 8192 x 8192 nodes
     Paper,
     /// None
     None,

@@ -11,6 +11,7 @@ use relief_shaders::planet as shared;
 use super::atlas::Atlas;
 use super::canvas::Canvas;
 use super::device::{Device, DeviceError};
+use super::paper;
 use super::pending::{Finished, Pending};
 use super::picture::Picture;
 use super::present::{HostTargets, Present};
@@ -18,7 +19,7 @@ use super::readback::Readback;
 use super::targets::Targets;
 use super::tessellate::Tessellation;
 use super::timestamps::Timestamps;
-use crate::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings, Stats, sea_of, style_of};
+use crate::frame::{Frame, ReliefTriangle, RenderError, Renderer, Scheme, Settings, Shadow, Stats, sea_of, style_of};
 use crate::planet::Planet;
 use crate::residency::{Progress, Resident};
 use crate::view::View;
@@ -38,6 +39,8 @@ pub struct Gpu {
     timestamps: Timestamps,
     style: Style,
     canvas: Canvas,
+    /// What the paper's shadows read; made when a frame first asks for it.
+    paper: Option<wgpu::BindGroup>,
     in_flight: VecDeque<Pending>,
     /// Of the last frame that was finished.
     stats: Stats,
@@ -75,6 +78,7 @@ impl Gpu {
             resident,
             tessellation,
             style,
+            paper: None,
             in_flight: VecDeque::new(),
             stats: Stats::default(),
             passes: u32::MAX,
@@ -159,7 +163,10 @@ impl Gpu {
         let uniform = view.uniform(self.resident.planet())?;
         Targets::check(&self.device, [view.width, view.height])?;
         settings.check()?;
-        settings.check_kernel(self.resident.planet().grid(), false)?;
+        settings.check_kernel(self.resident.planet().grid())?;
+        if settings.shadow == Shadow::Paper && self.paper.is_none() {
+            self.paper = Some(paper::group(&self.device, self.resident.planet())?);
+        }
         let style = settings.style(&self.style);
         let device = self.device.clone();
         let pending = device.guard(|| {
@@ -200,7 +207,8 @@ impl Gpu {
         encoder.clear_buffer(&self.canvas.fetched, 0, None);
         self.picture.draw(encoder, groups, lists, targets, self.timestamps.render(1));
         let mut pass = encoder.begin_compute_pass(&timed(2));
-        self.picture.shade(&self.device, &mut pass, atlas, (groups, targets.size), settings.overlay);
+        let paper = self.paper.as_ref().filter(|_| settings.shadow == Shadow::Paper);
+        self.picture.shade(&self.device, &mut pass, (atlas, paper), (groups, targets.size), settings.overlay);
     }
 
     fn note(&mut self, finished: Finished) {

@@ -1,4 +1,4 @@
-//! Drawing and shading: `wgsl/frame_draw.wgsl` and `wgsl/frame_shade.wgsl`.
+//! Drawing and shading: `wgsl/frame_draw.wgsl` and `wgsl/lib/shade_pixels.wgsl`.
 
 use relief_shaders::frame::Overlay;
 use relief_shaders::kernels;
@@ -39,7 +39,7 @@ impl Picture {
             "pixels",
             &[Uniform, Uniform, Integers, Depth, ReadWrite, ReadWrite, ReadWrite, ReadWrite, Uniform],
         );
-        let shading = Shading::new(device, &[Some(&Atlas::layout(device)), Some(&pixels)]);
+        let shading = Shading::new(device, [Atlas::layout(device), pixels.clone()]);
         let draw = draw_pipeline(device, &[Some(&planet), Some(&corners)]);
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let sea = kernel::empty(device, "sea", size_of_val(sea_m) as u64, usage);
@@ -113,16 +113,22 @@ impl Picture {
         pass.draw_indirect(&lists.args, Args::DRAW_OFFSET);
     }
 
-    /// Adds to a pass the shading of all pixels.
+    /// Adds to a pass the shading of all pixels, with the paper's shadows where its group is given.
     pub fn shade(
         &self,
         device: &Device,
         pass: &mut wgpu::ComputePass<'_>,
-        atlas: &Atlas,
+        (atlas, paper): (&Atlas, Option<&wgpu::BindGroup>),
         (groups, [width, height]): (&Groups, [u32; 2]),
         overlay: Overlay,
     ) {
-        pass.set_pipeline(self.shading.pipeline(device, overlay != Overlay::None));
+        match paper {
+            Some(paper) => {
+                pass.set_pipeline(self.shading.paper(device));
+                pass.set_bind_group(2, paper, &[]);
+            }
+            None => pass.set_pipeline(self.shading.pipeline(device, overlay != Overlay::None)),
+        }
         pass.set_bind_group(0, atlas.group(), &[]);
         pass.set_bind_group(1, &groups.pixels, &[]);
         pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::sample_file::Sample;
+use relief_tests::sample_file::Sample;
 
 fn open(body: Body) -> Result<Arc<Planet>, OpenError> {
     let folder = tempfile::tempdir().unwrap();

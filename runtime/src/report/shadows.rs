@@ -140,6 +140,7 @@ fn single(
 fn sweep(world: &World, dense: &Dense, elevation_deg: f64, checked: usize) -> ShadowRow {
     let nodes = PlaneNodes {
         samples: dense.nodes_m(),
+        base: 0.0,
         unit_m: 1.0,
         columns: dense.columns(),
         rows: dense.rows(),

@@ -6,7 +6,7 @@ use relief_formats::surface::Surface;
 use super::*;
 use crate::cpu::Cpu;
 use crate::frame::{Renderer as _, Scheme, Settings};
-use crate::sample_file::Sample;
+use relief_tests::sample_file::Sample;
 use crate::view::{Sun, View};
 
 fn planet(folder: &Path, body: Body) -> Arc<Planet> {

@@ -87,6 +87,8 @@ pub struct Resident<S> {
     pinned: Vec<TileKey>,
     /// Pages that the last frame asked for and lacked, as kernels name them.
     lacked: Vec<u32>,
+    /// Tiles that the last frame asked for and that coarser ones stand in for.
+    stood_in_for: Vec<TileKey>,
     /// The pages asked for belong to a new round when an update came in between.
     updated: bool,
 }
@@ -107,6 +109,7 @@ impl<S: Store> Resident<S> {
             ready: BTreeMap::new(),
             pinned: pinned::tiles(&planet, capacity.slots()),
             lacked: Vec::new(),
+            stood_in_for: Vec::new(),
             updated: true,
             planet,
             uniform,
@@ -169,10 +172,16 @@ impl<S: Store> Resident<S> {
             self.want_pinned();
         }
         self.lacked.clear();
+        self.stood_in_for.clear();
         for key in keys {
             let tile = tile_of(key);
-            if self.planet.grid().contains(tile) && self.want(tile) {
+            if !self.planet.grid().contains(tile) {
+                continue;
+            }
+            if self.want(tile) {
                 self.lacked.push(key);
+            } else if self.slots.find(tile).is_none() {
+                self.stood_in_for.push(tile);
             }
         }
         self.lacked.len()
@@ -229,6 +238,20 @@ impl<S: Store> Resident<S> {
         self.unavailable.iter().filter_map(|(&key, why)| match why {
             Unavailable::Damaged(error) => Some((key, error)),
             Unavailable::Absent => None,
+        })
+    }
+
+    /// Damage that the last [`Self::ask`] met: a tile that was asked for and cannot be read, or not
+    /// for want of a coarser one, and the reason. A coarser one stood in for it.
+    #[must_use]
+    pub fn damage_met(&self) -> Option<(TileKey, &FormatError)> {
+        let root = self.planet.grid().root_level();
+        self.stood_in_for.iter().find_map(|&asked| {
+            let above = std::iter::successors(Some(asked), |tile| (tile.level < root).then(|| tile.parent()));
+            above.into_iter().find_map(|tile| match self.unavailable.get(&tile)? {
+                Unavailable::Damaged(error) => Some((tile, error)),
+                Unavailable::Absent => None,
+            })
         })
     }
 }

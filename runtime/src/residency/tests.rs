@@ -7,7 +7,7 @@ use relief_formats::geodesy::node_to_fixed;
 use relief_shaders::pages::{NONE, USABLE};
 
 use super::*;
-use crate::sample_file::{Sample, wavy_q};
+use relief_tests::sample_file::{Sample, wavy_q};
 
 const LONG: Duration = Duration::from_secs(60);
 
@@ -133,6 +133,9 @@ fn a_damaged_tile_is_an_error_for_itself_only() {
         assert_ne!(pages.find(0, 14, 6) & USABLE, 0);
         // Asked again, it is remembered and its ancestor counts.
         assert_eq!(resident.ask([pages::key(1, 1, 0), pages::key(0, 2, 0)]), 0);
+        assert_eq!(resident.damage_met().map(|(key, _)| key), Some(bad), "{plane:?}");
+        assert_eq!(resident.ask([pages::key(0, 14, 6)]), 0);
+        assert!(resident.damage_met().is_none(), "what does not need it does not meet it");
     }
 }
 

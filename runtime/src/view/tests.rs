@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use relief_formats::body::Body;
 
 use super::*;
-use crate::sample_file::Sample;
+use relief_tests::sample_file::Sample;
 
 fn planet(body: Body) -> Arc<Planet> {
     let folder = tempfile::tempdir().unwrap();

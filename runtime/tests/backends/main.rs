@@ -5,4 +5,6 @@ mod cpu_frame;
 mod gpu_frame;
 mod gpu_heights;
 mod overlays;
+mod paper_shadows;
+mod sunlight;
 mod support;

@@ -1,4 +1,4 @@
-//! Drawn places shaded to colours. Twin of `wgsl/frame_shade.wgsl`.
+//! Drawn places shaded to colours. Twin of `wgsl/lib/shade_pixels.wgsl`.
 
 use rayon::prelude::*;
 

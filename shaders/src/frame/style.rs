@@ -31,7 +31,7 @@ pub enum Shadow {
     /// Rays through the pyramid of extremes ([`crate::shadow::exact`]).
     #[default]
     Exact = 1,
-    /// The paper's rays ([`crate::shadow::paper`]), over a plane and on the CPU only: a baseline.
+    /// The paper's rays ([`crate::shadow::paper`]), over a plane only: a baseline.
     Paper = 2,
 }
 

@@ -1,11 +1,15 @@
 //! A whole level in RAM: nodes and the pyramid of extremes, as flat arrays.
 
+use std::panic::resume_unwind;
+use std::sync::{Mutex, PoisonError};
+use std::thread::ScopedJoinHandle;
+
 use rayon::prelude::*;
-use relief_formats::file::FormatError;
+use relief_formats::file::{FormatError, Relief};
 use relief_formats::tile::{TILE_CELLS, TILE_NODES, TileKey};
 use relief_formats::tiles::Tiles;
 
-use super::exact::Relief;
+use super::exact;
 use crate::planet::Planet;
 
 /// The nodes of one level and the extremes of it and all coarser ones. For f32 heights it takes
@@ -105,28 +109,56 @@ impl Dense {
 /// # Errors
 /// A damaged tile.
 pub fn nodes_of(planet: &Planet, tiles: &Tiles<'_>, level: u32) -> Result<Vec<f32>, FormatError> {
+    let step_m = planet.step_m;
+    nodes_as(tiles, level, |q| q as f32 * step_m)
+}
+
+/// Tiles for reading a level of a file by [`nodes_as`] and nothing else: few are kept.
+#[must_use]
+pub fn tiles_of_level(relief: &Relief, level: u32) -> Tiles<'_> {
+    Tiles::for_level(relief, level, rayon::current_num_threads())
+}
+
+/// [`nodes_of`] as what is made of a height in steps.
+///
+/// # Errors
+/// A damaged tile.
+pub fn nodes_as<T: Copy + Default + Send>(
+    tiles: &Tiles<'_>,
+    level: u32,
+    of: impl Fn(i32) -> T + Sync,
+) -> Result<Vec<T>, FormatError> {
     let grid = tiles.relief().grid();
     let (columns, rows) = (grid.width(level) as usize, grid.height(level) as usize);
     let stride = columns + 1;
-    let mut nodes_m = vec![0.0; stride * (rows + 1)];
-    let step_m = planet.step_m;
+    let mut nodes = vec![T::default(); stride * (rows + 1)];
     let side = TILE_CELLS as usize;
-    // Bands of one row of tiles; the northern edge belongs to the last one.
-    nodes_m.par_chunks_mut(stride * side).enumerate().try_for_each(|(band, out)| {
+    let read = |(band, out): (usize, &mut [T])| {
+        // The northern edge belongs to the last row of tiles.
         let y = band.min(grid.tiles_y(level) as usize - 1);
         for x in 0..grid.tiles_x(level) as usize {
-            let samples = tiles.nodes(TileKey::new(level, x as u32, y as u32))?;
+            let samples = tiles.nodes_once(TileKey::new(level, x as u32, y as u32))?;
             for (row, out) in out.chunks_mut(stride).enumerate() {
                 let row = row + (band - y) * side;
                 let samples = &samples[row * TILE_NODES..][..TILE_NODES];
                 for (out, &q) in out[x * side..][..TILE_NODES].iter_mut().zip(samples) {
-                    *out = q as f32 * step_m;
+                    *out = of(q);
                 }
             }
         }
-        Ok::<_, FormatError>(())
+        Ok(())
+    };
+    // One row of tiles after the other: neighbours share the tiles they are decoded from. On threads
+    // of its own, since an allocator gives back what decoding took only when a thread ends.
+    let bands = Mutex::new(nodes.chunks_mut(stride * side).enumerate());
+    let next = || bands.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = || std::iter::from_fn(next).try_for_each(read);
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..rayon::current_num_threads()).map(|_| scope.spawn(work)).collect();
+        let end = |worker: ScopedJoinHandle<'_, _>| worker.join().unwrap_or_else(|panic| resume_unwind(panic));
+        workers.into_iter().map(end).fold(Ok(()), Result::and)
     })?;
-    Ok(nodes_m)
+    Ok(nodes)
 }
 
 fn coarser_extremes(finer: &[[f32; 2]], finer_half: usize, finer_rows: usize) -> Vec<[f32; 2]> {
@@ -142,7 +174,7 @@ fn coarser_extremes(finer: &[[f32; 2]], finer_half: usize, finer_rows: usize) ->
     out
 }
 
-impl Relief for &Dense {
+impl exact::Relief for &Dense {
     fn extremes_m(&mut self, level: u32, x: u32, y: u32) -> Option<[f32; 2]> {
         let k = level.checked_sub(self.level)?;
         let half = self.columns >> (k + 1);

@@ -10,6 +10,7 @@ pub mod exact;
 pub mod mask;
 pub mod pages;
 pub mod paper;
+pub mod points;
 pub mod square;
 pub mod sun;
 pub mod sweep;
@@ -17,6 +18,7 @@ pub mod sweep;
 pub use exact::{Relief, Sunlight, shadow_exact};
 pub use mask::{ShadowWindow, WindowCounts, shadow_mask, shadow_mask_of};
 pub use pages::PagedRelief;
+pub use points::{PointSun, SunlitPoint, shadow_points};
 
 /// What a ray fetched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -33,7 +33,7 @@ impl Layout {
 
 fn shared() -> Vec<Layout> {
     use frame::uniform::UniformMesh;
-    use shadow::ShadowWindow;
+    use shadow::{PointSun, ShadowWindow, SunlitPoint};
     use shadow::paper::ShadowPaperMap;
     vec![
         layout!(
@@ -93,6 +93,8 @@ fn shared() -> Vec<Layout> {
         ),
         layout!("UniformMesh", UniformMesh, level, columns, rows, padding),
         layout!("Point", pages::Point, s, t, level, height_m),
+        layout!("PointSun", PointSun, sun, level),
+        layout!("SunlitPoint", SunlitPoint, s, t, height_m, visible),
         layout!("Corner", leb::Corner, s, t, height_m, level),
         layout!("Triangle", leb::Triangle, s, t, code),
         layout!(

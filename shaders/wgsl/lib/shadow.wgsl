@@ -1,14 +1,7 @@
 // One ray from the relief to the sun. Twin: src/shadow/exact.rs.
-// use: ray shadow_square shadow_cell shadow_sun shadow_pages
+// use: sunlight ray shadow_square shadow_cell shadow_sun shadow_pages
 
 const STEPS_MAX: u32 = 1048576u;
-
-struct Sunlight {
-    visible: f32,
-    heights: u32,
-    extremes: u32,
-    steps: u32,
-}
 
 struct Trace {
     slope: f32,

@@ -1,4 +1,8 @@
 // The shadow kernel of paper 001 on a plane, Algo 2 and 3. Twin: src/shadow/paper.rs.
+//
+// The kernel that uses this binds paper_map: ShadowPaperMap, paper_heights_m (H_0 to H_m) and
+// paper_extremes (H_ext of levels 0 to m - 2), finest first, rows from the south.
+// use: sunlight
 
 struct ShadowPaperMap {
     // Unit vector to the sun: east, north, up.
@@ -15,20 +19,8 @@ struct ShadowPaperMap {
     padding_2: u32,
 }
 
-// H_0 to H_m and H_ext of levels 0 to m - 2, finest first, rows from the south.
-@group(0) @binding(0) var<uniform> paper_map: ShadowPaperMap;
-@group(0) @binding(1) var<storage, read> paper_heights_m: array<f32>;
-@group(0) @binding(2) var<storage, read> paper_extremes: array<vec2<f32>>;
-
 const PAPER_EPSILON: f32 = 1.0e-7;
 const PAPER_STEPS_MAX: u32 = 65536u;
-
-struct PaperLight {
-    visible: f32,
-    heights: u32,
-    extremes: u32,
-    steps: u32,
-}
 
 struct PaperCrossing {
     distance_m: f32,
@@ -74,10 +66,8 @@ fn paper_extremes_m(level: u32, column: i32, row: i32) -> vec2<f32> {
     return paper_extremes[i32(paper_level_start(paper_map.m - 1u, level)) + row * side + column];
 }
 
-fn paper_shadow(at: vec2<f32>, height_m: f32) -> PaperLight {
-    var light = PaperLight(1.0, 0u, 0u, 0u);
-    let sun = paper_map.sun.xyz;
-    let q = paper_map.q;
+fn paper_shadow(at: vec2<f32>, height_m: f32, q: u32, sun: vec3<f32>) -> Sunlight {
+    var light = Sunlight(1.0, 0u, 0u, 0u);
     let flat = sqrt(sun.x * sun.x + sun.y * sun.y);
     let step = sun.xy / (max(flat, PAPER_EPSILON) * paper_map.spacing_m);
     if flat <= PAPER_EPSILON || (abs(step.x) <= PAPER_EPSILON && abs(step.y) <= PAPER_EPSILON) {

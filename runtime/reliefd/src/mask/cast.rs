@@ -4,7 +4,6 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use relief_formats::tiles::Tiles;
 use relief_front::error::ToolError;
 use relief_front::window::Rectangle;
 use relief_runtime::cpu::Cpu;
@@ -12,10 +11,9 @@ use relief_runtime::gpu::{Gpu, ShadowMasks};
 use relief_runtime::planet::Planet;
 use relief_runtime::shadow::{Mask, ShadowWindow, WindowCounts, mask_in_ram, sun_of};
 use relief_runtime::view::Sun;
-use relief_shaders::shadow::dense::nodes_of;
-use relief_shaders::shadow::sweep::{PlaneNodes, sweep_mask};
 
 use super::parts::{Whole, parts};
+use super::sweep::Sweep;
 use crate::backend::{ATLAS_BYTES, Backend};
 use crate::errors::{of_device, of_render};
 
@@ -32,14 +30,6 @@ pub enum Caster {
     Sweep(Sweep),
     /// A ray from each node.
     Rays(Rays),
-}
-
-/// A level of a plane in RAM.
-pub struct Sweep {
-    planet: Arc<Planet>,
-    level: u32,
-    /// (columns + 1) x (rows + 1), south row first.
-    nodes_m: Vec<f32>,
 }
 
 /// A backend and the level its rays start from.
@@ -74,10 +64,7 @@ impl Caster {
         let failed = of_render(path);
         let kernel = match backend {
             Backend::Cpu if grid.plane && !single && bytes <= SWEPT_BYTES => {
-                // Each tile is read once: the planet's own cache would only keep them.
-                let nodes_m = nodes_of(&planet.uniform(), &Tiles::new(planet.relief(), 0), level);
-                let nodes_m = nodes_m.map_err(ToolError::of_file(path))?;
-                return Ok(Self::Sweep(Sweep { planet, level, nodes_m }));
+                return Sweep::new(planet, level).map(Self::Sweep).map_err(ToolError::of_file(path));
             }
             Backend::Cpu => Kernel::Cpu(Box::new(Cpu::new(Arc::clone(&planet), ATLAS_BYTES).map_err(failed)?)),
             Backend::Gpu(device) => {
@@ -137,24 +124,5 @@ impl Rays {
             "the tiles on the way of a part's rays can be read and fit the memory for tiles",
             "give a coarser --level, or check the file with `relief-bake validate`",
         ))
-    }
-}
-
-impl Sweep {
-    /// Rays of one direction, all at once.
-    fn mask(&self, towards: [f32; 3], rectangle: Rectangle) -> Vec<u8> {
-        let (uniform, grid) = (self.planet.uniform(), self.planet.grid());
-        let units = f64::from(1u32 << (31 - uniform.m + self.level));
-        let nodes = PlaneNodes {
-            samples: &self.nodes_m,
-            unit_m: 1.0,
-            columns: grid.width(self.level) as usize,
-            rows: grid.height(self.level) as usize,
-            spacing_m: [uniform.unit_x_m, uniform.unit_y_m].map(|unit_m| f64::from(unit_m) * units),
-        };
-        let (lit, _) = sweep_mask::<false, f32>(&nodes, towards);
-        let (column, columns) = (rectangle.column as usize, rectangle.columns as usize);
-        let rows = (rectangle.row..rectangle.row + rectangle.rows).rev();
-        rows.flat_map(|y| &lit[y as usize * nodes.columns + column..][..columns]).map(|&lit| 255 * lit).collect()
     }
 }

@@ -4,6 +4,7 @@ pub mod asked;
 mod cast;
 pub mod parts;
 pub mod raster;
+mod sweep;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

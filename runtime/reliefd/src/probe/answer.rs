@@ -8,21 +8,16 @@ use relief_formats::geodesy::{s_from_lon_deg, t_from_lat_deg};
 use relief_formats::surface::{Place, Surface};
 use relief_front::error::ToolError;
 use relief_runtime::planet::Planet;
-use relief_runtime::view::{Camera, SUN_RADIUS_DEG, Sun};
-use relief_shaders::shadow::shadow_exact;
-use relief_shaders::shadow::sun::sun_local;
+use relief_runtime::shadow::{PointSun, sun_of};
+use relief_runtime::view::{Camera, SUN_RADIUS_DEG};
 
 use super::Args;
-use super::heights::Heights;
-use super::relief::TileRelief;
+use super::kernels::Kernels;
 use crate::backend::Backend;
 use crate::errors::open;
-use crate::light::Light;
 
 /// Decoded samples that are kept between points.
 const CACHE_BYTES: u64 = 256 << 20;
-/// Fixed-point longitude 0, where ECEF's x axis points.
-const GREENWICH: u32 = 1 << 31;
 
 /// A point of the map.
 #[derive(Clone, Copy, Debug)]
@@ -53,10 +48,8 @@ pub struct Prober {
     path: PathBuf,
     planet: Arc<Planet>,
     level: u32,
-    light: Option<Light>,
-    radius_rad: f32,
-    heights: Heights,
-    relief: TileRelief,
+    sun: Option<PointSun>,
+    kernels: Kernels,
 }
 
 impl Prober {
@@ -74,12 +67,14 @@ impl Prober {
         let light = args.sun.light(&planet)?;
         let backend = Backend::find(args.backend)?;
         Ok(Self {
-            heights: Heights::new(&backend, Arc::clone(&planet), &args.file)?,
-            relief: TileRelief::new(Arc::clone(&planet)),
+            kernels: Kernels::new(&backend, Arc::clone(&planet), &args.file)?,
             path: args.file.clone(),
             level: args.level,
-            light,
-            radius_rad: if args.soft { SUN_RADIUS_DEG.to_radians() as f32 } else { 0.0 },
+            sun: light.map(|light| PointSun {
+                sun: sun_of(&light.sun, if args.soft { SUN_RADIUS_DEG } else { 0.0 }),
+                level: args.level,
+                ..PointSun::default()
+            }),
             planet,
         })
     }
@@ -108,49 +103,25 @@ impl Prober {
 
     /// Answers in the order of the questions.
     pub fn answers(&mut self, points: &[At]) -> Result<Vec<Answer>, ToolError> {
-        let places: Vec<[u32; 2]> = points.iter().map(|at| at.fixed).collect();
-        let heights_m = self.heights.at(self.level, &places)?;
         let in_file = ToolError::of_file(&self.path);
-        // Tile by tile, so that each is decoded once.
+        // Tile by tile: neighbours share what is decoded for them.
         let mut order: Vec<usize> = (0..points.len()).collect();
         order.sort_unstable_by_key(|&k| points[k].place.tile);
+        let places: Vec<[u32; 2]> = order.iter().map(|&k| points[k].fixed).collect();
+        let known = self.kernels.at(self.level, self.sun.as_ref(), &places)?;
+        let mut known = known.into_iter();
         let mut answers: Vec<Option<Answer>> = vec![None; points.len()];
         let surface = Surface::new(self.planet.relief(), CACHE_BYTES);
         for run in order.chunk_by(|&a, &b| points[a].place.tile == points[b].place.tile) {
             let tile = surface.tile(points[run[0]].place.tile).map_err(in_file)?;
-            for &k in run {
+            for (&k, (height_m, lit)) in run.iter().zip(&mut known) {
                 let sample = tile.sample(&points[k].place);
-                answers[k] = Some(Answer {
-                    height_m: heights_m[k],
-                    level: self.level,
-                    filled: sample.filled,
-                    bounds_m: sample.bounds_m,
-                    lit: self.light.as_ref().map(|light| {
-                        let sun = light.sun;
-                        lit(&self.planet, &mut self.relief, places[k], heights_m[k], self.level, sun, self.radius_rad)
-                    }),
-                });
+                let (filled, bounds_m) = (sample.filled, sample.bounds_m);
+                answers[k] = Some(Answer { height_m, level: self.level, filled, bounds_m, lit });
             }
         }
-        self.relief.check().map_err(in_file)?;
         Ok(answers.into_iter().flatten().collect())
     }
-}
-
-fn lit(
-    planet: &Planet,
-    relief: &mut TileRelief,
-    [s, t]: [u32; 2],
-    height_m: f32,
-    level: u32,
-    sun: Sun,
-    radius_rad: f32,
-) -> f32 {
-    let towards = match sun {
-        Sun::Ecef(v) => sun_local(v.map(|c| c as f32), GREENWICH, s, t),
-        Sun::Local(v) => v.map(|c| c as f32),
-    };
-    shadow_exact(&planet.uniform(), relief, [s, t], height_m, level, towards, radius_rad).visible
 }
 
 impl Answer {

@@ -1,8 +1,7 @@
 //! `reliefd probe`: heights and sunlight at points, through the kernels.
 
 mod answer;
-mod heights;
-mod relief;
+mod kernels;
 mod stream;
 
 use std::path::PathBuf;
@@ -20,7 +19,7 @@ use crate::light::SunArgs;
 #[command(
     long_about = "Height and sunlight at a point, or at every point on standard input.\n\n\
         The height is that of `relief-bake probe`, worked out by the kernels in f32. With a sun the answer \
-        says how much of it a point on the ground sees.",
+        says how much of it a point on the ground sees, by a ray of the kernels on the same backend.",
     after_long_help = "JSON keys: height_m; level; filled (a node around the point holds no measurement); bounds_m \
         [least, greatest] of S_0 over the 2 x 2 cells of the level around the point; lit (0 in shadow to 1; \
         only with a sun).\n\

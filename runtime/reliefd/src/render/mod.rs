@@ -19,7 +19,7 @@ use crate::backend::{Backend, BackendChoice};
 use crate::errors::{of_render, open};
 use crate::mesh::glb;
 use crate::output::{check_name, write_grey_png};
-use crate::view_args::{ShadowChoice, ViewArgs};
+use crate::view_args::ViewArgs;
 
 /// A frame: adaptive relief, shaded and in the sun's light
 #[derive(Debug, clap::Args)]
@@ -73,10 +73,7 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     let view = args.view.view(&planet)?;
     let settings = args.view.settings();
     let opened = began.elapsed();
-    let backend = match (args.backend, args.view.shadow) {
-        (BackendChoice::Auto, ShadowChoice::Paper) => Backend::Cpu,
-        (choice, _) => Backend::find(choice)?,
-    };
+    let backend = Backend::find(args.backend)?;
     let mut renderer = backend.renderer(Arc::clone(&planet), &args.file)?;
     let wait = Duration::from_secs_f64(args.wait);
     let frame = renderer.render_until_complete(&view, &settings, wait).map_err(of_render(&args.file))?;

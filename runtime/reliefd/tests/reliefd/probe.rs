@@ -58,6 +58,37 @@ fn heights_are_those_of_the_surface() {
     }
 }
 
+/// A low and a high sun, over a globe and a plane.
+#[test]
+fn both_backends_see_the_same_sun() {
+    let folder = Folder::new();
+    let globe = folder.sample("globe.relief", &Sample::new(Body::moon(), 9));
+    let plane = folder.sample("plane.relief", &plane(wavy_q));
+    let count = 2000;
+    for (file, sun) in [(&globe, "20,5"), (&globe, "-150,-70"), (&plane, "213,4"), (&plane, "100,30 --soft")] {
+        let text: String = (0..count)
+            .map(|k| [f64::from(k * 7919 % 1009) / 1009.0, f64::from(k * 104_729 % 997) / 997.0])
+            .map(|[u, v]| match file == &plane {
+                true => format!("{} {}\n", 1000.0 + 7680.0 * u, 2000.0 + 7680.0 * v),
+                false => format!("{} {}\n", -180.0 + 360.0 * u, -90.0 + 180.0 * v),
+            })
+            .collect();
+        let mut answers = backends().into_iter().map(|backend| {
+            let run = with_input(&format!("probe FILE - --sun {sun} --backend {backend}"), file, &text).good();
+            run.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect::<Vec<Value>>()
+        });
+        let lit = |answer: &Value| answer["lit"].as_f64().unwrap();
+        let cpu = answers.next().unwrap();
+        let dark = cpu.iter().filter(|answer| lit(answer) == 0.0).count();
+        assert!(cpu.len() == count as usize && (file == &plane || (500..1500).contains(&dark)), "{dark} dark");
+        for gpu in answers {
+            // A GPU's own arithmetic rounds rays that graze in its own way.
+            let differ = cpu.iter().zip(&gpu).filter(|(a, b)| (lit(a) - lit(b)).abs() > 0.02).count();
+            assert!(gpu.len() == cpu.len() && differ <= 2, "{sun}: {differ} points differ");
+        }
+    }
+}
+
 /// What was cut off is missed, by a message: reading it would raise SIGBUS.
 #[cfg(target_os = "linux")]
 #[test]

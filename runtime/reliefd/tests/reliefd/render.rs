@@ -112,14 +112,16 @@ fn dam(grid: Grid, i: u32, j: u32) -> i32 {
 #[test]
 fn shadows_are_drawn_unless_they_are_not_wanted() {
     let folder = Folder::new();
-    let lit = |relief: fn(Grid, u32, u32) -> i32, options: &str| {
+    let lit = |backend: &str, relief: fn(Grid, u32, u32) -> i32, options: &str| {
         let file = folder.sample("wall.relief", &plane(relief));
         let words = format!(
-            "render FILE --backend cpu --camera 6000,5840,9000 --size 64x64 --sun 90,20 --out OUT/a.png --mask OUT/m.png {options}"
+            "render FILE --backend {backend} --camera 6000,5840,9000 --size 64x64 --sun 90,20 --out OUT/a.png --mask OUT/m.png {options}"
         );
         reliefd(&words, &file).good();
         png(&folder.path("m.png")).3[64 * 32 + 32 - 4]
     };
-    assert_eq!((lit(wall, ""), lit(wall, "--shadow paper"), lit(wall, "--shadow none")), (0, 255, 255));
-    assert_eq!((lit(dam, ""), lit(dam, "--shadow paper"), lit(dam, "--shadow none")), (0, 0, 255));
+    for backend in backends() {
+        let of = |relief| ["", "--shadow paper", "--shadow none"].map(|options| lit(backend, relief, options));
+        assert_eq!([of(wall), of(dam)], [[0, 255, 255], [0, 0, 255]], "{backend}");
+    }
 }

@@ -6,7 +6,7 @@ use relief_shaders::pages::{CELLS, NODES, Pages};
 
 use super::*;
 use crate::residency::closure;
-use crate::sample_file::{Sample, wavy_q};
+use relief_tests::sample_file::{Sample, wavy_q};
 
 /// A globe of three levels with spikes, so that rounding outwards matters.
 fn planet() -> Arc<Planet> {

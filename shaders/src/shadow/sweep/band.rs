@@ -3,13 +3,15 @@
 //! Heights are told less the climb of a ray up to their row, so that a ray keeps one height, its
 //! `level`, all the way.
 
+use std::sync::atomic::AtomicU8;
+
 use super::cast::{Ahead, Rays, cast};
 use super::lanes::{DEEP, LANES, bound_row};
 use super::slab::{Slab, slab};
 use super::{Frame, PlaneNodes, SweepCounts};
 
 /// Strips of a band.
-pub const BAND: usize = 256;
+pub const BAND: usize = 128;
 /// Strips beside a band whose heights are kept: a ray's patches lie up to three strips away.
 const PAD: usize = 4;
 /// Values kept a row.
@@ -35,16 +37,17 @@ pub struct Band {
 }
 
 impl Band {
-    /// Shades the nodes of the strips from `start` on: [`BAND`] bytes a row, 1 lit, 0 in shadow.
+    /// Shades the nodes of the strips from `start` on: 1 lit, 0 in shadow. What the mask holds of the
+    /// far edge stays.
     pub fn shade<const COUNT: bool, H: Copy + Into<f32>>(
         &mut self,
         nodes: &PlaneNodes<'_, H>,
         frame: &Frame,
         start: i64,
-    ) -> (Vec<u8>, SweepCounts) {
+        mask: &[AtomicU8],
+    ) -> SweepCounts {
         let (rows, across) = (frame.cells[0], frame.cells[1] as i64);
         self.clear(rows);
-        let mut mask = vec![1; (rows + 1) * BAND];
         let mut counts = SweepCounts::default();
         let places: Vec<(i64, f64)> = (0..=rows).map(|along| frame.row(along)).collect();
         // Place k of a row holds the node k - first across.
@@ -62,9 +65,10 @@ impl Band {
             }
             let phase = places[along].1;
             ahead.clear();
+            let mut lit = [1; BAND];
             for chunk in 0..BAND / LANES {
                 let at = PAD + chunk * LANES;
-                let out = &mut mask[along * BAND + chunk * LANES..][..LANES];
+                let out = &mut lit[chunk * LANES..][..LANES];
                 // The bounds are still those of the next row line.
                 while let Err(needed) =
                     cast::<COUNT>(&Rays { band: self, frame, along, ahead: &ahead }, at, out, &mut counts)
@@ -75,6 +79,7 @@ impl Band {
                     }
                 }
             }
+            frame.store(mask, along, start, &lit);
             let far = slab_at(0.0, along);
             self.bound(along, &far, frame);
             // Strips beyond the map hold no relief; those beyond in part do not stop every ray.
@@ -84,7 +89,7 @@ impl Band {
             clip(&mut self.below_m, [begin + i64::from(phase > 0.0), end - 1]);
             self.collect(along);
         }
-        (mask, counts)
+        counts
     }
 
     fn clear(&mut self, rows: usize) {
@@ -112,13 +117,13 @@ impl Band {
         if frame.strides[1] == 1 && begin >= 0 && end <= across + 1 {
             let samples = &nodes.samples[(row + begin as isize) as usize..][..STRIDE];
             for (out, &h) in out.iter_mut().zip(samples) {
-                *out = h.into() * nodes.unit_m;
+                *out = nodes.height_m(h);
             }
             return;
         }
         for (out, node) in out.iter_mut().zip(begin..) {
             let at = row + node.clamp(0, across) as isize * frame.strides[1];
-            *out = nodes.samples[at as usize].into() * nodes.unit_m;
+            *out = nodes.height_m(nodes.samples[at as usize]);
         }
     }
 

@@ -35,7 +35,7 @@ pub fn sweep_disk<H: Copy + Into<f32> + Sync, R: Relief>(
                     (1, _) => 255,
                     (_, 0) => 0,
                     _ => {
-                        let height_m = nodes.samples[j * (nodes.columns + 1) + i].into() * nodes.unit_m;
+                        let height_m = nodes.height_m(nodes.samples[j * (nodes.columns + 1) + i]);
                         let place = [(i as u32) << shift, (j as u32) << shift];
                         let part = shadow_exact(planet, &mut relief, place, height_m, level, sun, disk_rad).visible;
                         (part * 255.0 + 0.5) as u8

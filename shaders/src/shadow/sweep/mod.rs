@@ -7,7 +7,7 @@
 //! patches exactly, as `exact` does, only until one of the two decides: one to three rows, for
 //! sixteen neighbours in step, since all nodes of a row meet the same fractions of cells.
 //!
-//! Memory: the nodes, the mask twice, and three floats a row and strip of a band.
+//! Memory: the nodes, the mask (twice where the rays go along the map's rows), and two floats a row and strip of a band of each thread.
 
 mod band;
 mod cast;
@@ -15,16 +15,20 @@ mod disk;
 mod lanes;
 mod slab;
 
+use std::sync::atomic::{AtomicU8, Ordering};
+
 use rayon::prelude::*;
 
 use band::{BAND, Band};
 pub use disk::sweep_disk;
 
-/// Nodes of a plane in rows from the south; heights are samples times `unit_m`.
+/// Nodes of a plane in rows from the south; heights are (samples + `base`) times `unit_m`.
 #[derive(Clone, Copy, Debug)]
 pub struct PlaneNodes<'a, H> {
     /// (columns + 1) x (rows + 1) samples.
     pub samples: &'a [H],
+    /// Added to a sample, in f32.
+    pub base: f32,
     /// Metres of a sample.
     pub unit_m: f32,
     /// Cells eastwards.
@@ -33,6 +37,14 @@ pub struct PlaneNodes<'a, H> {
     pub rows: usize,
     /// Metres between nodes, eastwards and northwards.
     pub spacing_m: [f64; 2],
+}
+
+impl<H: Copy + Into<f32>> PlaneNodes<'_, H> {
+    /// The height that a sample stands for, metres.
+    #[inline(always)]
+    pub(crate) fn height_m(&self, sample: H) -> f32 {
+        (sample.into() + self.base) * self.unit_m
+    }
 }
 
 /// What a sweep fetched, in all.
@@ -63,18 +75,19 @@ pub fn sweep_mask<const COUNT: bool, H: Copy + Into<f32> + Sync>(
     };
     let [low, high] = frame.strips();
     let starts: Vec<i64> = (low..=high).step_by(BAND).collect();
-    let bands: Vec<(Vec<u8>, SweepCounts)> = starts
+    // Each band stores its own nodes, which are no slice of the mask.
+    let mask: Vec<AtomicU8> = (0..nodes.columns * nodes.rows).map(|_| AtomicU8::new(1)).collect();
+    let counts = starts
         .par_iter()
-        .map_init(Band::default, |band, &start| band.shade::<COUNT, H>(nodes, &frame, start))
-        .collect();
-    let counts = bands.iter().fold(SweepCounts::default(), |a, (_, b)| SweepCounts {
-        heights: a.heights + b.heights,
-        bounds: a.bounds + b.bounds,
-        steps: a.steps + b.steps,
-    });
-    let mut mask = vec![0; nodes.columns * nodes.rows];
-    mask.par_chunks_mut(nodes.columns).enumerate().for_each(|(y, out)| frame.collect(&bands, low, y, out));
-    (mask, counts)
+        .map_init(Band::default, |band, &start| band.shade::<COUNT, H>(nodes, &frame, start, &mask))
+        .reduce(SweepCounts::default, |a, b| SweepCounts {
+            heights: a.heights + b.heights,
+            bounds: a.bounds + b.bounds,
+            steps: a.steps + b.steps,
+        });
+    // In place: the same bytes.
+    let mask = mask.into_iter().map(AtomicU8::into_inner).collect();
+    (if frame.rows_are_rows { mask } else { transposed(&mask, nodes.rows) }, counts)
 }
 
 /// The map as a sun sees it: `along` counts rows of nodes towards the sun, `across` the other axis.
@@ -112,7 +125,7 @@ impl Frame {
             return None;
         }
         let reversed = forward < 0.0;
-        let high = nodes.samples.par_iter().map(|&h| h.into().abs()).reduce(|| 0.0, f32::max) * nodes.unit_m;
+        let high = nodes.samples.par_iter().map(|&h| nodes.height_m(h).abs()).reduce(|| 0.0, f32::max);
         let climb_m = up / forward.abs();
         let (cells, strides) =
             if rows_are_rows { ([rows, columns], [stride, 1]) } else { ([columns, rows], [1, stride]) };
@@ -142,26 +155,53 @@ impl Frame {
         (strip as i64, place - strip)
     }
 
-    /// Copies row `y` of the map out of the bands.
-    fn collect(&self, bands: &[(Vec<u8>, SweepCounts)], low: i64, y: usize, out: &mut [u8]) {
-        let turned = |k: usize| if self.reversed { self.cells[0] - k } else { k };
-        if self.rows_are_rows {
-            let along = turned(y);
-            let mut at = (self.row(along).0 - low) as usize;
-            let mut rest = out;
-            while !rest.is_empty() {
-                let (band, first) = (at / BAND, at % BAND);
-                let count = rest.len().min(BAND - first);
-                let (head, tail) = rest.split_at_mut(count);
-                head.copy_from_slice(&bands[band].0[along * BAND + first..][..count]);
-                (rest, at) = (tail, at + count);
-            }
-        } else {
-            for (x, out) in out.iter_mut().enumerate() {
-                let along = turned(x);
-                let at = (self.row(along).0 - low) as usize + y;
-                *out = bands[at / BAND].0[along * BAND + at % BAND];
-            }
+    /// Stores the light of the nodes of a row, those of the strips from `start` on; the mask's rows are
+    /// the frame's.
+    fn store(&self, mask: &[AtomicU8], along: usize, start: i64, lit: &[u8]) {
+        let along_map = if self.reversed { self.cells[0] - along } else { along };
+        if along_map == self.cells[0] {
+            return;
         }
+        let node = start - self.row(along).0;
+        let skipped = (-node).clamp(0, lit.len() as i64) as usize;
+        let across = (node + skipped as i64) as usize;
+        let count = self.cells[1].saturating_sub(across).min(lit.len() - skipped);
+        if count == 0 {
+            return;
+        }
+        let places = &mask[along_map * self.cells[1] + across..];
+        for (place, &lit) in places.iter().zip(&lit[skipped..][..count]) {
+            place.store(lit, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Columns as rows, for rows of `width` values.
+fn transposed(values: &[u8], width: usize) -> Vec<u8> {
+    /// Columns that are read at once.
+    const TOGETHER: usize = 32;
+    let height = values.len() / width;
+    let mut out = vec![0; values.len()];
+    out.par_chunks_mut(height * TOGETHER).enumerate().for_each(|(k, out)| {
+        let first = k * TOGETHER;
+        for (row, values) in values.chunks_exact(width).enumerate() {
+            let columns = values[first..].iter().take(TOGETHER);
+            columns.zip(out[row..].iter_mut().step_by(height)).for_each(|(&value, out)| *out = value);
+        }
+    });
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_become_rows() {
+        let (width, height) = (70, 3);
+        let values: Vec<u8> = (0..width * height).map(|k| k as u8).collect();
+        let turned = transposed(&values, width);
+        assert!((0..width * height).all(|k| turned[k % width * height + k / width] == values[k]));
+        assert!(turned != values && transposed(&turned, height) == values);
     }
 }

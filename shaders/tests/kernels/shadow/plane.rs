@@ -11,6 +11,7 @@ use relief_shaders::oracle::World;
 fn nodes(world: &World) -> PlaneNodes<'_, f32> {
     PlaneNodes {
         samples: &world.nodes_m,
+        base: 0.0,
         unit_m: 1.0,
         columns: world.columns(),
         rows: world.rows(),
@@ -120,11 +121,14 @@ fn a_sweep_of_the_disk_is_what_single_rays_see() {
 #[test]
 fn samples_of_sixteen_bits_and_suns_without_azimuth() {
     let world = fractal_plane(8, [30.0, 30.0], 1200.0);
-    let samples: Vec<i16> = world.nodes_m.iter().map(|&m| (m * 16.0) as i16).collect();
-    let narrow =
-        PlaneNodes { samples: &samples, unit_m: 1.0 / 16.0, columns: 256, rows: 256, spacing_m: world.spacing_m };
+    let samples: Vec<u16> = world.nodes_m.iter().map(|&m| ((m + 700.0) * 16.0) as u16).collect();
+    let (unit_m, spacing_m) = (1.0 / 16.0, world.spacing_m);
+    let narrow = PlaneNodes { samples: &samples, base: -700.0 * 16.0, unit_m, columns: 256, rows: 256, spacing_m };
     let sun = sun(200.0, 7.0);
-    assert!(sweep_mask::<false, i16>(&narrow, sun).0 == sweep_mask::<false, f32>(&nodes(&world), sun).0);
-    let all = |value: u8, sun| sweep_mask::<false, i16>(&narrow, sun).0.iter().all(|&v| v == value);
+    let mask = sweep_mask::<false, f32>(&nodes(&world), sun).0;
+    assert!(mask.contains(&0) && sweep_mask::<false, u16>(&narrow, sun).0 == mask);
+    let off = PlaneNodes { base: -701.0 * 16.0, ..narrow };
+    assert!(off.samples.iter().zip(&world.nodes_m).any(|(&q, &m)| (f32::from(q) + off.base) * unit_m != m));
+    let all = |value: u8, sun| sweep_mask::<false, u16>(&narrow, sun).0.iter().all(|&v| v == value);
     assert!(all(1, [0.0, 0.0, 1.0]) && all(0, [0.0, 0.0, -1.0]));
 }

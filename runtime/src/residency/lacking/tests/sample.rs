@@ -7,7 +7,7 @@ use relief_formats::grid::Grid;
 use relief_formats::tile::TileKey;
 
 use crate::planet::Planet;
-use crate::sample_file::Sample;
+use relief_tests::sample_file::Sample;
 
 const GRID: Grid = Grid::new(11, false);
 
