@@ -456,9 +456,11 @@ def deviation(data, own, root):
     pad = np.pad(centre, 1, constant_values=255)
     lids = [np.minimum(pad[:-1, 1:-1], pad[1:, 1:-1]), np.minimum(pad[1:-1, :-1], pad[1:-1, 1:])]
     room = np.concatenate([np.maximum(0, lid - side).ravel() for lid, side in zip(lids, sides)])
-    values, data = _groups(data, room, [1, 2, 3, 5, 7, 10, 15])
-    parts = np.split(values, [sides[0].size])
-    h, v = [(side + part.reshape(side.shape)) % 256 for side, part in zip(sides, parts)]
+    need(data[:1] in (b"\0", b"\1"), "deviation: what sides are differences to")
+    from_lid = data[0] == 1
+    values, data = _groups(data[1:], room, [1, 2, 3, 5, 7, 10, 15])
+    parts = [part.reshape(side.shape) for part, side in zip(np.split(values, [sides[0].size]), sides)]
+    h, v = [((lid - part) if from_lid else (side + part)) % 256 for side, lid, part in zip(sides, lids, parts)]
     codes = join(np.zeros((HALF + 1, HALF + 1), np.int64), centre, h, v)
     if root:
         activity = (1 << np.searchsorted([-6, -3, -1, 0, 1, 2, 4], excess, side="right")) - 1

@@ -4,13 +4,14 @@
 //! frame. Centres are grouped by how much rougher than the centre its neighbours look. A side is
 //! never above the centres of the two cells that share it (saturation), so sides are grouped by
 //! the room between the local code and the lower of these centres, the lid. At level 0 the local
-//! codes are right but in the two outermost rows and columns.
+//! codes are right but in the two outermost rows and columns; above it most sides are at their lid
+//! or close below, so there the differences are to that.
 
 use std::sync::LazyLock;
 
 use super::CodecError;
 use super::crown::Crown;
-use super::frame::compress;
+use super::frame::compress_symbols;
 use super::nodes::HALF;
 use crate::derive::local_deviation;
 use crate::tile::TILE_NODES;
@@ -32,7 +33,17 @@ pub fn encode(codes: &[u8], nodes: &[i32], root: bool) -> Vec<u8> {
     let (centres, sides) = places();
     let mut plane = Vec::new();
     write_groups(&mut plane, &differences(centres), &centre_groups(&local));
-    write_groups(&mut plane, &differences(sides), &side_groups(codes, &local));
+    let (groups, lids) = side_groups(codes, &local);
+    let at_lid = sides.iter().zip(&lids).filter(|&(&k, &lid)| codes[k] == lid).count();
+    let at_local = sides.iter().filter(|&&k| codes[k] == local[k]).count();
+    if at_lid > at_local {
+        plane.push(FROM_LID);
+        let below: Vec<u8> = sides.iter().zip(&lids).map(|(&k, lid)| lid.wrapping_sub(codes[k])).collect();
+        write_groups(&mut plane, &below, &groups);
+    } else {
+        plane.push(FROM_LOCAL);
+        write_groups(&mut plane, &differences(sides), &groups);
+    }
     if let Some((activity, crown)) = crown {
         plane.extend(crown.encode(codes, &activity));
     }
@@ -53,8 +64,14 @@ pub fn decode(plane: &[u8], nodes: &[i32], root: bool) -> Result<Vec<u8>, CodecE
     for (&k, d) in centres.iter().zip(read_groups(&mut rest, &centre_groups(&local))?) {
         codes[k] = codes[k].wrapping_add(d);
     }
-    for (&k, d) in sides.iter().zip(read_groups(&mut rest, &side_groups(&codes, &local))?) {
-        codes[k] = codes[k].wrapping_add(d);
+    let (groups, lids) = side_groups(&codes, &local);
+    let (&from, after) = rest.split_first().ok_or(CodecError::Truncated)?;
+    rest = after;
+    let values = read_groups(&mut rest, &groups)?;
+    match from {
+        FROM_LOCAL => sides.iter().zip(values).for_each(|(&k, d)| codes[k] = codes[k].wrapping_add(d)),
+        FROM_LID => sides.iter().zip(lids).zip(values).for_each(|((&k, lid), d)| codes[k] = lid.wrapping_sub(d)),
+        _ => return Err(CodecError::Range),
     }
     match crown {
         Some((activity, crown)) => crown.decode(rest, &mut codes, &activity)?,
@@ -64,6 +81,10 @@ pub fn decode(plane: &[u8], nodes: &[i32], root: bool) -> Result<Vec<u8>, CodecE
     Ok(codes)
 }
 
+/// Sides are differences to the local codes.
+const FROM_LOCAL: u8 = 0;
+/// Sides are what they are below their lids.
+const FROM_LID: u8 = 1;
 /// Groups of a class.
 const GROUPS: usize = 8;
 
@@ -86,7 +107,7 @@ fn write_groups(plane: &mut Vec<u8>, values: &[u8], groups: &[u8]) {
     }
     let frames = ranges.map(|range| {
         let values = &sorted[range];
-        if values.iter().all(|&v| v == 0) { Vec::new() } else { compress(values) }
+        if values.iter().all(|&v| v == 0) { Vec::new() } else { compress_symbols(values) }
     });
     for frame in &frames {
         plane.extend_from_slice(&(frame.len() as u32).to_le_bytes()[..3]);
@@ -173,28 +194,33 @@ fn centre_groups(local: &[u8]) -> Vec<u8> {
     groups
 }
 
-/// The group of each side: by the room between its local code and its lid.
-fn side_groups(codes: &[u8], local: &[u8]) -> Vec<u8> {
+/// The group of each side, by the room between its local code and its lid, and the lid.
+fn side_groups(codes: &[u8], local: &[u8]) -> (Vec<u8>, Vec<u8>) {
     const LAST: usize = TILE_NODES - 1;
-    let mut groups = Vec::with_capacity(2 * HALF * (HALF + 1));
+    const SIDES: usize = 2 * HALF * (HALF + 1);
+    let (mut groups, mut lids) = (Vec::with_capacity(SIDES), Vec::with_capacity(SIDES));
     // Beyond the tile there is no lid.
     static NONE: [u8; TILE_NODES] = [u8::MAX; TILE_NODES];
     fn row(of: &[u8], y: usize) -> &[u8; TILE_NODES] {
         of.get(y * TILE_NODES..).and_then(|rest| rest.first_chunk()).unwrap_or(&NONE)
     }
-    let group = |a: u8, b: u8, local: u8| SIDE_GROUP[usize::from(a.min(b).saturating_sub(local))];
+    let mut put = |a: u8, b: u8, local: u8| {
+        let lid = a.min(b);
+        groups.push(SIDE_GROUP[usize::from(lid.saturating_sub(local))]);
+        lids.push(lid);
+    };
     for y in (0..TILE_NODES).step_by(2) {
         let south = if y > 0 { row(codes, y - 1) } else { &NONE };
         let (here, north) = (row(local, y), row(codes, y + 1));
-        groups.extend((1..LAST).step_by(2).map(|x| group(south[x], north[x], here[x])));
+        (1..LAST).step_by(2).for_each(|x| put(south[x], north[x], here[x]));
     }
     for y in (1..TILE_NODES).step_by(2) {
         let (codes, here) = (row(codes, y), row(local, y));
-        groups.push(group(u8::MAX, codes[1], here[0]));
-        groups.extend((2..LAST).step_by(2).map(|x| group(codes[x - 1], codes[x + 1], here[x])));
-        groups.push(group(codes[LAST - 1], u8::MAX, here[LAST]));
+        put(u8::MAX, codes[1], here[0]);
+        (2..LAST).step_by(2).for_each(|x| put(codes[x - 1], codes[x + 1], here[x]));
+        put(codes[LAST - 1], u8::MAX, here[LAST]);
     }
-    groups
+    (groups, lids)
 }
 
 fn local(nodes: &[i32]) -> Vec<u8> {

@@ -20,7 +20,7 @@ pub fn encode(filled: &[bool]) -> Vec<u8> {
     } else if !filled.contains(&false) {
         vec![1]
     } else {
-        frame::compress(&pack(filled))
+        frame::compress_runs(&pack(filled))
     }
 }
 
