@@ -61,8 +61,9 @@ pub fn raise_interpolated(
     let window = centres.window();
     assert!(nodes.window().contains(&window.nodes()), "the cells' corners are {:?}", window.nodes());
     let known = centres.clone();
+    let interpolated = Field::from_fn(window, interpolated);
     for y in window.y0 + 1..window.y1() - 1 {
-        for x in (window.x0 + 1..window.x1() - 1).filter(|&x| interpolated(x, y)) {
+        for x in (window.x0 + 1..window.x1() - 1).filter(|&x| interpolated.at(x, y)) {
             let (mut sixteenths, mut code, mut flat) = (0, 0, true);
             for (dx, dy) in (-1..=1).flat_map(|dy: i32| (-1..=1).map(move |dx: i32| (dx, dy))) {
                 let (x, y) = (x + dx, y + dy);
@@ -74,7 +75,7 @@ pub fn raise_interpolated(
                     1 => twist,
                     _ => (twist + 3) >> 2,
                 });
-                if !interpolated(x, y) {
+                if !interpolated.at(x, y) {
                     code = code.max(known.at(x, y));
                 }
             }

@@ -185,6 +185,11 @@ impl<'a> Composer<'a> {
         let (y0, y1) = (window.y0.div_euclid(2), (window.y1() - 1).div_euclid(2) + 2);
         let above = self.window(level + 1, Window::between(x0, x1, y0, y1))?;
         let nx = window.nx;
+        // A row's tiles and those of the row south of it, each remembered from node to node.
+        let [here, south] = [self.plan.absent_by_row(), self.plan.absent_by_row()];
+        let inside = |x: i32, y: i32| {
+            !(here(level, x, y) || here(level, x - 1, y) || south(level, x, y - 1) || south(level, x - 1, y - 1))
+        };
         for k in (0..window.len()).filter(|&k| origin[k] != Origin::Sampled) {
             let (x, y) = (window.x0 + (k % nx) as i32, window.y0 + (k / nx) as i32);
             let (w, s) = (x.div_euclid(2), y.div_euclid(2));
@@ -195,7 +200,8 @@ impl<'a> Composer<'a> {
             let void = !even && origin[k] == Origin::Void;
             // A void is marked even where all around it is measured.
             filled.data_mut()[k] = fill || void;
-            q.data_mut()[k] = if void && self.inside(level, x, y) {
+            // Void where all tiles that share the node are present.
+            q.data_mut()[k] = if void && inside(x, y) {
                 self.void_q
             } else {
                 // With one or both indices even, corners repeat and the sum is 4 or 2 times theirs:
@@ -204,11 +210,6 @@ impl<'a> Composer<'a> {
             };
         }
         Ok(())
-    }
-
-    /// True when all tiles that share the node are present.
-    fn inside(&self, level: u32, x: i32, y: i32) -> bool {
-        [(0, 0), (-1, 0), (0, -1), (-1, -1)].iter().all(|&(dx, dy)| !self.plan.absent(level, x + dx, y + dy))
     }
 }
 

@@ -1,7 +1,8 @@
 //! What a stage hands to the next: each block's summary, and the padded fields gathered from them.
 
-use std::collections::HashMap;
+use std::cell::Cell;
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use relief_formats::derive::deviation::{CellDistances, Sources, cell_distances};
@@ -58,46 +59,42 @@ impl<'a> Handoffs<'a> {
         let (w, h) = (plan.grid.width(level) as i32, plan.grid.height(level) as i32);
         let padded = core.expand(pad);
         let blocks = self.around(padded)?;
-        let node = |x: i32, y: i32| {
-            let (x, y) = plan.grid.home_node(level, x, y);
-            (&*blocks[&((x / SIDE).min(w / SIDE - 1), (y / SIDE).min(h / SIDE - 1))], x, y)
-        };
-        let nodes = padded.nodes();
-        let base_nodes = Field::from_fn(nodes, |x, y| {
-            let (block, x, y) = node(x, y);
-            block.base.nodes.at(x, y)
-        });
-        let mip = Field::from_fn(nodes, |x, y| {
-            let (block, x, y) = node(x, y);
-            block.base.mip.as_ref().unwrap_or(&block.base.nodes).at(x, y)
-        });
-        let filled = Field::from_fn(nodes, |x, y| {
-            let (block, x, y) = node(x, y);
-            block.filled.at(x, y)
-        });
-        let cell = |x: i32, y: i32| {
-            let (x, y) = plan.grid.home_cell(level, x, y);
-            (blocks[&(x / SIDE, y / SIDE)].base.below.as_ref(), x, y)
-        };
-        let mut centres = Field::from_fn(padded, |x, y| {
-            let (below, x, y) = cell(x, y);
-            below.map_or(0, |b| b.centres.at(x, y))
-        });
-        if blocks.keys().any(|key| !self.blocks.contains_key(key)) {
+        let near = Near { blocks: &blocks, last: Cell::new(None) };
+        let (mut base_nodes, mut mip) = (Field::new(padded.nodes()), Field::new(padded.nodes()));
+        let mut filled = Field::new(padded.nodes());
+        for (x, y) in places(padded.nodes()) {
+            let (hx, hy) = plan.grid.home_node(level, x, y);
+            let block = near.at(((hx / SIDE).min(w / SIDE - 1), (hy / SIDE).min(h / SIDE - 1)));
+            base_nodes.put(x, y, block.base.nodes.at(hx, hy));
+            mip.put(x, y, block.base.mip.as_ref().unwrap_or(&block.base.nodes).at(hx, hy));
+            filled.put(x, y, block.filled.at(hx, hy));
+        }
+        let (mut intervals, mut extremes, mut centres) = (Field::new(padded), Field::new(core), Field::new(padded));
+        for (x, y) in places(padded) {
+            let (hx, hy) = plan.grid.home_cell(level, x, y);
+            let Some(below) = &near.at((hx / SIDE, hy / SIDE)).base.below else { continue };
+            intervals.put(x, y, below.intervals.at(hx, hy));
+            centres.put(x, y, below.centres.at(hx, hy));
+            if core.contains(&Window::new(x, y, 1, 1)) {
+                extremes.put(x, y, below.extremes.at(hx, hy));
+            }
+        }
+        let made_up: HashSet<(i32, i32)> =
+            blocks.keys().copied().filter(|key| !self.blocks.contains_key(key)).collect();
+        if !made_up.is_empty() {
+            let last = Cell::new(((-1, -1), false));
             raise_interpolated(&mut centres, &base_nodes, self.rounding(), |x, y| {
                 let (x, y) = plan.grid.home_cell(level, x, y);
-                !self.blocks.contains_key(&(x / SIDE, y / SIDE))
+                let key = (x / SIDE, y / SIDE);
+                if last.get().0 != key {
+                    last.set((key, made_up.contains(&key)));
+                }
+                last.get().1
             });
         }
         let below = Below {
-            intervals: Field::from_fn(padded, |x, y| {
-                let (below, x, y) = cell(x, y);
-                below.map_or_else(Interval::default, |b| b.intervals.at(x, y))
-            }),
-            extremes: Field::from_fn(core, |x, y| {
-                let (below, x, y) = cell(x, y);
-                below.map_or_else(Extremes::default, |b| b.extremes.at(x, y))
-            }),
+            intervals,
+            extremes,
             centres,
             distances: (0..DISTANCE_LEVELS)
                 .map(|i| {
@@ -110,7 +107,7 @@ impl<'a> Handoffs<'a> {
                         }
                         let x = x.rem_euclid(w >> up);
                         let side = SIDE >> up;
-                        let block = &blocks[&(x / side, y / side)].base.below;
+                        let block = &near.at((x / side, y / side)).base.below;
                         block.as_ref().map_or_else(CellDistances::default, |b| b.distances[i].at(x, y))
                     })
                 })
@@ -183,5 +180,29 @@ impl<'a> Handoffs<'a> {
         let below = Below { intervals, extremes, centres: Field::new(core), distances };
         let base = Base { level: self.level, mip: Some(nodes.clone()), nodes, below: Some(below) };
         Ok(Handoff { base, filled: composed.filled })
+    }
+}
+
+/// All places of a window, row by row.
+fn places(window: Window) -> impl Iterator<Item = (i32, i32)> {
+    (window.y0..window.y1()).flat_map(move |y| (window.x0..window.x1()).map(move |x| (x, y)))
+}
+
+/// Blocks asked for cell by cell along rows: mostly it is the last one again.
+struct Near<'a> {
+    blocks: &'a HashMap<(i32, i32), Arc<Handoff>>,
+    last: Cell<Option<((i32, i32), &'a Handoff)>>,
+}
+
+impl<'a> Near<'a> {
+    fn at(&self, key: (i32, i32)) -> &'a Handoff {
+        match self.last.get() {
+            Some((last, block)) if last == key => block,
+            _ => {
+                let block = &*self.blocks[&key];
+                self.last.set(Some((key, block)));
+                block
+            }
+        }
     }
 }
