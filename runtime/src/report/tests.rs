@@ -6,8 +6,8 @@ use relief_formats::surface::Surface;
 use super::*;
 use crate::cpu::Cpu;
 use crate::frame::{Renderer as _, Scheme, Settings};
-use relief_tests::sample_file::Sample;
 use crate::view::{Sun, View};
+use relief_tests::sample_file::Sample;
 
 fn planet(folder: &Path, body: Body) -> Arc<Planet> {
     let path = folder.join("p.relief");

@@ -33,8 +33,8 @@ impl Layout {
 
 fn shared() -> Vec<Layout> {
     use frame::uniform::UniformMesh;
-    use shadow::{PointSun, ShadowWindow, SunlitPoint};
     use shadow::paper::ShadowPaperMap;
+    use shadow::{PointSun, ShadowWindow, SunlitPoint};
     vec![
         layout!(
             "Planet",
