@@ -1,4 +1,4 @@
-//! The node grid (DESIGN: node-registered, as the papers say) and its fixed-point angles.
+//! The node grid (node-registered, as the papers say) and its fixed-point angles.
 //!
 //! Node (i, j) of level 0 of a globe lies AT longitude -180 + 360 i / W and latitude
 //! -90 + 180 j / H degrees, W = 2^(m+1), H = 2^m. Column W is column 0, row 0 is the South Pole,

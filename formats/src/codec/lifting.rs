@@ -1,4 +1,4 @@
-//! Prediction of a level's new nodes from the coarser level (the node pyramid, DESIGN 5).
+//! Prediction of a level's new nodes from the coarser level.
 //!
 //! A square of n x n coarse cells has (n+1)^2 known nodes E. New are the cell centres C (n x n),
 //! the midpoints H of horizontal sides (n wide, n+1 high) and V of vertical sides (n+1 wide,

@@ -4,6 +4,7 @@ mod compose;
 mod crown;
 mod handoff;
 mod journal;
+mod output;
 mod plan;
 mod provenance;
 mod record;

@@ -1,7 +1,7 @@
 //! From sources to a published file.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
@@ -15,6 +15,7 @@ use super::compose::Composer;
 use super::crown::crowned;
 use super::handoff::{Handoff, Handoffs};
 use super::journal::{Journal, Placed};
+use super::output::{check_output, io_error, work_file};
 use super::plan::{BLOCK_LEVELS, Plan};
 use super::provenance::{identity, metadata};
 use super::stage::{BlockKey, Finished, blocks, finish};
@@ -269,50 +270,4 @@ impl<'a> Baker<'a> {
 
 fn default_step(sources: &SourceSet) -> i8 {
     sources.native_step_m().map_or(DEFAULT_STEP_EXPONENT, |step_m| step_m.log2().round() as i8)
-}
-
-/// The work file beside an output.
-fn work_file(output: &Path) -> PathBuf {
-    let mut name = output.as_os_str().to_os_string();
-    name.push(".part");
-    PathBuf::from(name)
-}
-
-fn check_output(output: &Path, force: bool) -> Result<(), ToolError> {
-    let folder = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if output.file_name().is_none() || output.is_dir() {
-        return Err(ToolError::usage(
-            format!("-o {}", output.display()),
-            "the output is a file",
-            "name a file, such as earth.relief",
-        ));
-    }
-    if !folder.is_dir() {
-        return Err(ToolError::usage(
-            format!("-o {}: the folder {} is missing", output.display(), folder.display()),
-            "the output's folder exists",
-            format!("mkdir -p {}", folder.display()),
-        ));
-    }
-    if output.exists() && !force {
-        return Err(ToolError::usage(
-            format!("-o {}: the file exists", output.display()),
-            "nothing is replaced unasked",
-            "give --force to replace it, or another name",
-        ));
-    }
-    Ok(())
-}
-
-fn io_error(action: &'static str, path: &Path, error: std::io::Error) -> ToolError {
-    let remedy = match error.kind() {
-        std::io::ErrorKind::StorageFull | std::io::ErrorKind::QuotaExceeded | std::io::ErrorKind::FileTooLarge => {
-            "free some space, or write to another disk"
-        }
-        std::io::ErrorKind::PermissionDenied | std::io::ErrorKind::ReadOnlyFilesystem => {
-            "write to a folder that you may write to"
-        }
-        _ => "check the path and the disk",
-    };
-    ToolError::Io { action, path: path.to_path_buf(), error, remedy: remedy.into() }
 }

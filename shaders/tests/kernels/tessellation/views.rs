@@ -1,4 +1,4 @@
-//! Cameras: random ones and the hard cases of DESIGN section 8.
+//! Cameras: random ones and the hard cases of a planet: poles, seam, horizon, ground, far away, long lens.
 
 use super::camera::Camera;
 use super::planet::{TestPlanet, hash};
