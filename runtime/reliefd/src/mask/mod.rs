@@ -4,7 +4,7 @@ pub mod asked;
 mod cast;
 pub mod parts;
 pub mod raster;
-mod sweep;
+pub mod sweep;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

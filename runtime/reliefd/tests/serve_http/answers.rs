@@ -154,8 +154,13 @@ fn masks_are_those_of_mask() {
     let share = lit.iter().map(|&lit| f64::from(lit)).sum::<f64>() / 255.0 / lit.len() as f64;
     assert!((share - at.header("x-relief-lit").unwrap().parse::<f64>().unwrap()).abs() < 1e-6);
     assert!((0.2..0.8).contains(&share), "{share}");
-    let plane = daemon.get("/v1/planets/plane/shadow?sun=90,20").good();
-    assert_eq!((decode(&plane.body).0, decode(&plane.body).1), (256, 256));
+    for (name, words) in [("whole", "--sun 90,20"), ("soft", "--sun 200,8 --soft"), ("air", "--sun 45,3 --air 1")] {
+        assert_eq!(run(&files, &format!("mask DIR/plane.relief --backend cpu {words} -o DIR/{name}.png")).0, 0);
+        let query = words.replace(" --soft", "&soft=1").replace(" --air ", "&air=").replace("--sun ", "sun=");
+        let plane = daemon.get(&format!("/v1/planets/plane/shadow?{query}")).good();
+        assert_eq!((decode(&plane.body).0, decode(&plane.body).1), (256, 256));
+        assert!(plane.body == read(&files.path(&format!("{name}.png"))), "another {name} mask than mask's");
+    }
 }
 
 /// Tiles that are not at hand come in turns of their own.

@@ -1,5 +1,5 @@
-//! `GET /v1/planets/{name}/shadow`: what `reliefd mask` writes, cast by the planet's engine in parts, so
-//! that pictures go on meanwhile.
+//! `GET /v1/planets/{name}/shadow`: what `reliefd mask` writes. Planes are swept beside the engine; other
+//! rays are cast by the planet's engine in parts, so that pictures go on meanwhile.
 
 use std::io::Cursor;
 use std::sync::Arc;
@@ -10,6 +10,7 @@ use axum::http::{HeaderName, header};
 use axum::response::{IntoResponse as _, Response};
 use relief_front::window::{Rectangle, Samples};
 use relief_protocol::error::{Code, Fault};
+use relief_runtime::frame::RenderError;
 use relief_runtime::geotiff::sidecar;
 use relief_runtime::planet::Planet;
 use relief_runtime::shadow::{ShadowWindow, sun_of};
@@ -18,16 +19,20 @@ use crate::light::Light;
 use crate::mask::asked::{MaskArgs, without_sun};
 use crate::mask::parts::{Part, Whole, parts};
 use crate::mask::raster::write_tif;
+use crate::mask::sweep::Sweep;
 use crate::output::write_grey_png;
 use crate::serve::ask::{of_draw, of_tool};
 use crate::serve::http::at::At;
-use crate::serve::http::off_thread::off_thread;
+use crate::serve::http::off_thread::{Asker, off_thread};
 use crate::serve::http::refused::Refused;
 use crate::serve::http::words::Words;
 use crate::serve::hub::{Hub, Served};
 
 /// Most nodes of a mask.
 const MOST_NODES: u64 = 16 << 20;
+/// A plane's level is swept whole for a window of at least this part of its nodes: a sweep is some
+/// fifty times as fast as rays, but reads them all.
+const SWEPT_PART: u64 = 16;
 /// Nodes along a side of what is cast in one turn at the engine: no longer than a picture takes.
 const PART: u32 = 256;
 /// Time for tiles in one turn at the engine.
@@ -143,6 +148,10 @@ async fn cast(
     light: &Light,
 ) -> Result<Vec<u8>, Fault> {
     let sun = sun_of(&light.sun, args.radius_deg());
+    if swept(args, planet, rectangle) {
+        let (planet, level) = (Arc::clone(planet), args.level);
+        return off_thread(move |asker| sweep(&planet, level, [sun[0], sun[1], sun[2]], rectangle, asker)).await;
+    }
     let like = ShadowWindow { sun, air: args.air, level: args.level, ..ShadowWindow::default() };
     let mut whole = Whole::new(rectangle);
     for part in parts(rectangle, planet.grid(), like, PART) {
@@ -164,6 +173,30 @@ async fn cast(
         whole.put(&part, &lit);
     }
     Ok(whole.into_lit())
+}
+
+/// Whether a mask is made of a whole plane at once: hard edges, no air, and not too little of it.
+fn swept(args: &MaskArgs, planet: &Planet, rectangle: Rectangle) -> bool {
+    let grid = planet.grid();
+    if !grid.plane || args.soft || args.air > 0.0 || args.level > grid.root_level() {
+        return false;
+    }
+    let level = u64::from(grid.width(args.level)) * u64::from(grid.height(args.level));
+    level <= MOST_NODES && u64::from(rectangle.columns) * u64::from(rectangle.rows) * SWEPT_PART >= level
+}
+
+fn sweep(
+    planet: &Arc<Planet>,
+    level: u32,
+    towards: [f32; 3],
+    rectangle: Rectangle,
+    asker: &Asker,
+) -> Result<Vec<u8>, Fault> {
+    let damaged = |error| of_draw(RenderError::File(error));
+    planet.relief().check_whole().map_err(damaged)?;
+    let sweep = Sweep::new(Arc::clone(planet), level).map_err(damaged)?;
+    asker.waits()?;
+    Ok(sweep.mask(towards, rectangle))
 }
 
 /// What a turn at the engine brought.
