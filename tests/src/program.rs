@@ -29,6 +29,13 @@ impl Run {
         run
     }
 
+    /// The exit code of a command whose standard error nobody reads.
+    pub fn unheard(command: &mut Command) -> Option<i32> {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(writer).status().unwrap().code()
+    }
+
     /// Itself, after a run that was good.
     pub fn good(self) -> Self {
         assert_eq!(self.code, 0, "{}{}", self.stdout, self.stderr);

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use relief_front::stderr::say;
 use relief_tools::commands::{self, Outcome};
 
 /// Planet-scale terrain, prepared once: elevation rasters in, one validated .relief file out.
@@ -42,7 +43,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Good) => ExitCode::SUCCESS,
         Ok(Outcome::Found) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("relief-bake: {error}");
+            say(&format!("relief-bake: {error}"));
             ExitCode::from(2)
         }
     }

@@ -5,6 +5,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use relief_front::stderr::say;
 
 /// Progress over a known amount of work. Without a terminal a line is printed at every tenth, but
 /// not more often than every two seconds.
@@ -52,7 +53,7 @@ impl Progress {
         if tenths > plain.tenths && (plain.last.elapsed() > Duration::from_secs(2)) {
             let gone = plain.start.elapsed().as_secs_f64();
             let left = gone * (self.total.saturating_sub(plain.done)) as f64 / plain.done as f64;
-            eprintln!("{}: {} %, {gone:.0} s gone, about {left:.0} s left", plain.label, tenths * 10);
+            say(&format!("{}: {} %, {gone:.0} s gone, about {left:.0} s left", plain.label, tenths * 10));
             plain.tenths = tenths;
             plain.last = Instant::now();
         }

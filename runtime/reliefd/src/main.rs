@@ -22,6 +22,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use relief_front::error::ToolError;
+use relief_front::stderr::say;
 
 /// Planet-scale terrain, served at once: frames, meshes, shadows and heights of a .relief file.
 ///
@@ -56,7 +57,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Good) => ExitCode::SUCCESS,
         Ok(Outcome::Found) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("reliefd: {error}");
+            say(&format!("reliefd: {error}"));
             ExitCode::from(2)
         }
     }

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use relief_front::error::ToolError;
 use relief_front::sheet::folder::Folder;
+use relief_front::stderr::say;
 use relief_front::stdout::print;
 use relief_runtime::report::{Options, ReportError, run as measure, write};
 
@@ -62,7 +63,7 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     let progress = |what: &str, share: f64| {
         let percent = (share * 100.0) as u32;
         if !args.quiet && shown.swap(percent, Ordering::Relaxed) != percent {
-            eprintln!("{percent:3} %  {what}");
+            say(&format!("{percent:3} %  {what}"));
         }
     };
     let failed = |error| match error {

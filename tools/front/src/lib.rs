@@ -9,5 +9,6 @@ pub mod picture;
 pub mod publish;
 pub mod sheet;
 pub mod staging;
+pub mod stderr;
 pub mod stdout;
 pub mod window;

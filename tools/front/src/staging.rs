@@ -10,6 +10,7 @@ use tempfile::TempDir;
 
 use crate::error::ToolError;
 use crate::publish::{failed, folder_of, prefix, sync};
+use crate::stderr::say;
 
 /// A temporary folder in the folder of an output.
 pub struct Staging {
@@ -49,7 +50,7 @@ impl Staging {
                 for folder in LIVE.lock().unwrap_or_else(PoisonError::into_inner).iter() {
                     let _ = std::fs::remove_dir_all(folder);
                 }
-                eprintln!("interrupted; nothing was written");
+                say("interrupted; nothing was written");
                 std::process::exit(2);
             });
         });

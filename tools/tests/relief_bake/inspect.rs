@@ -1,6 +1,6 @@
 //! `relief-bake inspect` as a user runs it.
 
-use crate::common::{Folder, earth, plane};
+use crate::common::{Folder, Run, earth, plane, program};
 
 #[test]
 fn json_has_the_promised_keys_and_values() {
@@ -82,4 +82,11 @@ fn what_is_no_relief_file_is_refused() {
     let bytes = std::fs::read(&cut).unwrap();
     std::fs::write(&cut, &bytes[..bytes.len() - 100]).unwrap();
     relief_bake!("inspect", cut).refused(&["c.relief", "damaged"]);
+}
+
+/// The exit code says it where standard error is closed, as in `relief-bake ... 2>&1 | head -0`.
+#[test]
+fn an_error_that_nobody_reads_is_no_panic() {
+    let missing = Folder::new().path("none.relief");
+    assert_eq!(Run::unheard(program().arg("inspect").arg(missing)), Some(2));
 }

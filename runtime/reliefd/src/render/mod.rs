@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use relief_front::error::ToolError;
 use relief_front::picture::{RgbImage, write_png};
 use relief_front::publish::publish;
+use relief_front::stderr::say;
 use relief_front::stdout::print;
 use relief_runtime::frame::{Frame, Renderer, Settings};
 use relief_runtime::planet::Planet;
@@ -128,13 +129,13 @@ fn write(
 fn judged(frame: &Frame) -> Outcome {
     let stats = &frame.stats;
     if stats.tiles_missing > 0 {
-        eprintln!(
+        say(&format!(
             "reliefd: {} tiles are missing; coarser ones stand in (a longer --wait, or fewer pixels)",
             stats.tiles_missing
-        );
+        ));
     }
     if stats.overflow {
-        eprintln!("reliefd: the mesh has holes: too many triangles; give a larger --pixel-error");
+        say("reliefd: the mesh has holes: too many triangles; give a larger --pixel-error");
     }
     if stats.tiles_missing > 0 || stats.overflow { Outcome::Found } else { Outcome::Good }
 }

@@ -3,9 +3,10 @@
 use relief_formats::body::Body;
 use relief_tests::folder::Folder;
 use relief_tests::plane::plane;
+use relief_tests::program::Run;
 use relief_tests::sample_file::{Sample, wavy_q};
 
-use crate::program::reliefd;
+use crate::program::{program, reliefd};
 
 /// Words of the command and words of its message.
 type Case = (&'static str, &'static [&'static str]);
@@ -110,4 +111,12 @@ fn files_that_are_none_are_named() {
             assert!(!folder.path("a.png").exists() && !folder.path("a.tif").exists());
         }
     }
+}
+
+/// The exit code says it where standard error is closed.
+#[test]
+fn an_error_that_nobody_reads_is_no_panic() {
+    let folder = Folder::new();
+    let missing = folder.path("none.relief");
+    assert_eq!(Run::unheard(program().arg("probe").arg(missing).args(["0", "0"])), Some(2));
 }
