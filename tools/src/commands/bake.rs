@@ -12,6 +12,7 @@ use super::source_args::{SourceArgs, refusal};
 use crate::bake::{BakeOptions, bake};
 use crate::source::Resample;
 use relief_front::error::ToolError;
+use relief_front::stdout::print;
 
 /// Bake elevation rasters into one .relief file.
 ///
@@ -91,9 +92,7 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     let report = bake(&args.inputs, &options, &stop)?;
     let header = &report.header;
     if args.json {
-        println!(
-            "{}",
-            serde_json::json!({
+        let facts = serde_json::json!({
                 "file": args.output.display().to_string(),
                 "file_bytes": header.file_bytes,
                 "m": header.m,
@@ -104,12 +103,12 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
                 "max_m": f64::from(header.max_q) * header.step_m(),
                 "content_id": header.content_id.iter().map(|b| format!("{b:02x}")).collect::<String>(),
                 "resumed_blocks": report.resumed_blocks,
-            })
-        );
+        });
+        print(&format!("{facts}\n"))?;
     } else if !args.quiet {
         let grid = header.grid();
-        println!(
-            "{}: m = {}, {} x {} nodes, step {} m, {} tiles, {:.1} MB, heights {} to {} m",
+        print(&format!(
+            "{}: m = {}, {} x {} nodes, step {} m, {} tiles, {:.1} MB, heights {} to {} m\n",
             args.output.display(),
             header.m,
             grid.width(0),
@@ -119,7 +118,7 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
             header.file_bytes as f64 / 1e6,
             f64::from(header.min_q) * header.step_m(),
             f64::from(header.max_q) * header.step_m(),
-        );
+        ))?;
     }
     Ok(Outcome::Good)
 }

@@ -9,6 +9,7 @@ use crate::commands::Outcome;
 use crate::report::{self, ReportOptions};
 use crate::source::Resample;
 use relief_front::error::ToolError;
+use relief_front::stdout::print;
 
 /// Speed against error of steps, kernels and codecs, as a page with plots and tables.
 ///
@@ -58,7 +59,7 @@ pub fn run(args: &Args) -> Result<Outcome, ToolError> {
     let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
     report::run(&args.inputs, &options, &stop)?;
     if !args.quiet {
-        println!("{}", args.output.join("index.html").display());
+        print(&format!("{}\n", args.output.join("index.html").display()))?;
     }
     Ok(Outcome::Good)
 }
