@@ -7,6 +7,7 @@ mod frame;
 mod heights;
 mod kernel;
 mod lists;
+mod over_pages;
 mod paper;
 mod pending;
 mod picture;

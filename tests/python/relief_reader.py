@@ -21,7 +21,8 @@ import numpy as np
 
 import relief_planes as planes
 from blake3_numpy import blake3
-from relief_planes import HALF, SIDE, Damaged, need
+from relief_deviations import deviation
+from relief_stream import HALF, LIMIT, Damaged, need, unpack
 
 SIGNATURE = b"\x89RLF\r\n\x1a\n"
 PLANES = ["nodes", "mip", "hext", "deviation", "filled"]
@@ -65,7 +66,7 @@ class Relief:
         need(8 <= self.m <= 20 and self.root == self.m - 8 and -16 <= self.exponent <= 10, "m or the step")
         need(header_bytes == 256 and table == 256 and self.section_count <= 256, "the header's sizes")
         samples = (self.south_q, self.north_q, self.min_q, self.max_q)
-        need(max(map(abs, samples)) <= planes.LIMIT and self.min_q <= self.max_q, "the header's heights")
+        need(max(map(abs, samples)) <= LIMIT and self.min_q <= self.max_q, "the header's heights")
         self.height = 1 << self.m
         self.width = self.height if self.plane else 2 * self.height
 
@@ -157,7 +158,7 @@ class Relief:
         elif plane == "filled":
             samples = planes.filled(data)
         elif plane == "deviation":
-            samples = planes.deviation(data, self.read("nodes", level, x, y), not below)
+            samples = deviation(data, self.read("nodes", level, x, y), not below)
         else:
             samples = getattr(planes, plane)(data, self.read("nodes", level, x, y))
         need(digest(samples) == digests[n], f"{plane} of level {level} tile ({x}, {y}): another digest")
@@ -194,7 +195,7 @@ class Relief:
 
     def mesh(self):
         """The patch mesh: (layout, s_axis, t_axis, triangles), section 9."""
-        data = planes.unpack(self.section(b"MESH"), 1 << 20)
+        data = unpack(self.section(b"MESH"), 1 << 20)
         need(len(data) >= 24, "mesh: no header")
         layout, m, columns, rows, count, reserved = struct.unpack_from("<6I", data)
         need(layout < 2 and m == self.m and reserved == 0, "mesh: a field is out of range")

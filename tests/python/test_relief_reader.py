@@ -10,10 +10,10 @@ import unittest
 
 import numpy as np
 
-import relief_planes as planes
+import relief_stream
 from blake3_numpy import blake3
-from relief_planes import Damaged
 from relief_reader import Relief, digest, samples, sort_key
+from relief_stream import Damaged
 
 HERE = pathlib.Path(__file__).resolve().parent
 GOLDEN = sorted((HERE.parent / "golden").glob("*/*.relief"))
@@ -50,7 +50,7 @@ class Golden(unittest.TestCase):
         self.assertIsNone(sparse.find(1, 1, 0))
         self.assertIsNone(sparse.find(0, 2, 0))
         self.assertTrue(sparse.read("filled", 0, 2, 0).any())
-        self.assertEqual(abs(Relief(by_name("plane_m8")).read("nodes", 0, 0, 0)).max(), planes.LIMIT)
+        self.assertEqual(abs(Relief(by_name("plane_m8")).read("nodes", 0, 0, 0)).max(), relief_stream.LIMIT)
 
     def test_nodes_of_the_border_agree(self):
         relief = Relief(by_name("globe_m9_sparse"))
@@ -90,7 +90,7 @@ class Specification(unittest.TestCase):
         self.assertEqual(struct.unpack_from("<BBBb", header, 32), (0, 8, 0, -4))
 
     def test_the_residual_stream(self):
-        stream = planes.Residuals(bytes.fromhex(next(b for b in self.blocks if b.startswith("0b 00 80"))))
+        stream = relief_stream.Residuals(bytes.fromhex(next(b for b in self.blocks if b.startswith("0b 00 80"))))
         activity = np.array([0, 0, 1, 9, 0, 1])
         self.assertEqual(stream.take(activity).tolist(), [0, -1, 3, 40, 0, -2])
         self.assertEqual(stream.take(activity).tolist(), [0] * 6)
@@ -98,7 +98,7 @@ class Specification(unittest.TestCase):
 
     def test_the_tables(self):
         rows = [row.split(":")[1].split() for row in self.blocks[-1].strip().splitlines()]
-        self.assertEqual([row.split() for row in planes._ROWS.strip().splitlines()], rows)
+        self.assertEqual([row.split() for row in relief_stream._ROWS.strip().splitlines()], rows)
 
 
 class Damage(unittest.TestCase):

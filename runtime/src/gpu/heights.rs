@@ -8,18 +8,14 @@ use relief_shaders::pages::Point;
 use super::atlas::Atlas;
 use super::device::{Device, DeviceError};
 use super::kernel::{self, Binding};
-use super::readback::Readback;
+use super::over_pages::OverPages;
 use crate::residency::Resident;
 
 /// Points of one dispatch.
 const BATCH: usize = 1 << 16;
 
 /// The pipeline.
-pub struct Heights {
-    device: Device,
-    layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
-}
+pub struct Heights(OverPages);
 
 impl Heights {
     /// Compiles the kernel.
@@ -27,13 +23,7 @@ impl Heights {
     /// # Errors
     /// What the device says.
     pub fn new(device: &Device) -> Result<Self, DeviceError> {
-        device.guard(|| {
-            let layout = kernel::layout(device, "heights", &[Binding::ReadWrite]);
-            let layouts = kernel::pipeline_layout(device, &[Some(&Atlas::layout(device)), Some(&layout)]);
-            let module = kernel::module(device, "heights", kernels::HEIGHTS);
-            let pipeline = kernel::pipeline(device, &layouts, &module, "heights_at");
-            Self { device: device.clone(), layout, pipeline }
-        })
+        OverPages::new(device, kernels::HEIGHTS, "heights_at", &[Binding::ReadWrite]).map(Self)
     }
 
     /// Heights of S_level at fixed-point places (S, T), metres, and how many batches of points
@@ -55,14 +45,8 @@ impl Heights {
             let points: Vec<Point> = places.iter().map(|&[s, t]| Point { s, t, level, height_m: 0.0 }).collect();
             loop {
                 let (answers, lacks) = self.once(resident, &points)?;
-                let left = deadline.saturating_duration_since(Instant::now());
-                let stuck = lacks > 0
-                    && (left.is_zero() || {
-                        let progress = resident.update(left);
-                        progress.full && progress.loaded == 0
-                    });
-                if lacks == 0 || stuck {
-                    lacking += usize::from(stuck);
+                if lacks == 0 || !resident.load_more(deadline) {
+                    lacking += usize::from(lacks > 0);
                     heights_m.extend(answers.iter().map(|point| point.height_m));
                     break;
                 }
@@ -72,25 +56,11 @@ impl Heights {
     }
 
     fn once(&self, resident: &mut Resident<Atlas>, points: &[Point]) -> Result<(Vec<Point>, usize), DeviceError> {
-        let device = &self.device;
-        let (answers, seen) = device.guard(|| {
+        let made = self.0.run(resident, [points.len().div_ceil(64) as u32, 1], |device| {
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-            let buffer = kernel::filled(device, "points", bytemuck::cast_slice(points), usage);
-            let group = kernel::group(device, &self.layout, &[buffer.as_entire_binding()]);
-            let mut encoder = device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                pass.set_pipeline(&self.pipeline);
-                pass.set_bind_group(0, resident.store().group(), &[]);
-                pass.set_bind_group(1, &group, &[]);
-                pass.dispatch_workgroups(points.len().div_ceil(64) as u32, 1, 1);
-            }
-            let answers = Readback::of(device, &mut encoder, &buffer);
-            let seen = resident.store().take_seen(&mut encoder);
-            device.queue().submit([encoder.finish()]);
-            (answers.map(), seen.map())
+            ([], [kernel::filled(device, "points", bytemuck::cast_slice(points), usage)])
         })?;
-        let lacks = resident.ask_record(&seen.wait::<u32>(device)?);
-        Ok((answers.wait(device)?, lacks))
+        let [answers] = made.buffers;
+        Ok((answers.wait(self.0.device())?, made.lacking))
     }
 }
